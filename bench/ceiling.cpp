@@ -89,7 +89,8 @@ void ceiling(bool quick) {
     Prepared p;
     p.shading = make_shading_data(*setup.scene);
     p.placement = placement_of(*setup.scene);
-    p.acceleration = embree_backend().build(*setup.scene, p.shading->view, p.placement, nullptr);
+    p.acceleration =
+        embree_backend().build(*setup.scene, p.shading->view, p.placement, {}, nullptr);
     const Renderer built(setup.scene, setup.eye);
     std::vector<float> responses(setup.eye.size() * rgb_bands);
     const BlockFunctions block = embree_block_functions();

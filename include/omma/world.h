@@ -36,6 +36,9 @@ struct WorldSettings {
   std::optional<Background> background = std::nullopt;  // instead of the scene's own
   // What traces the rays: "embree", "portable", or "" for the fastest that is built in.
   std::string backend = "";
+  // Ordinals of the graphics cards that share the work, each once; empty: the first one. Only with
+  // the backend "cuda".
+  std::vector<int> devices = {};
   // What linear RGB, as textures, colours and backgrounds have it, is in each band: [band][3], 1 to
   // most_bands rows. Empty: the bands are RGB itself. Not where the world is lit, whose light has
   // bands.
@@ -148,6 +151,8 @@ class World {
   int components() const;       // of radiance: 1, or 3 where it is a Stokes vector
   int threads() const;          // that it uses
   std::string backend() const;  // e.g. "embree 3.13.5"
+  // Ordinals of the graphics cards that trace its rays; none where a processor does.
+  std::vector<int> cards() const;
 
   const State& state() const { return *state_; }
 

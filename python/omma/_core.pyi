@@ -1608,13 +1608,13 @@ def use_card_libraries(nvrtc: str, kernel_cache: str) -> None:
     Where the compiler of kernels is, "" for where the system has it, and where they are kept.
     """
 
-def card_state() -> tuple[str, str, str]:
+def card_states() -> list[tuple[str, str, str]]:
     """
-    Name of the card, the CUDA that its driver is for, and why it cannot be used; "" for none.
+    Of each card its name, the CUDA that its driver is for, and why it cannot be used; "" for none.
     """
 
-def card_note() -> str:
-    """What is to be known of the card's kernels, or "". Compiles them."""
+def card_note(devices: Sequence[int]) -> str:
+    """What is to be known of cards' kernels, or "". Compiles them."""
 
 class CardSpan:
     """float32 in a card's memory, for the engine to write into."""
@@ -1622,7 +1622,7 @@ class CardSpan:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, at: int, size: int, stream: int | None) -> None: ...
+    def __init__(self, card: int, at: int, size: int, stream: int | None) -> None: ...
 
 class CardMemory:
     """Memory of a card for so many float32."""
@@ -1630,7 +1630,10 @@ class CardMemory:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, size: int) -> None: ...
+    def __init__(self, size: int, card: int) -> None: ...
+
+    @property
+    def card(self) -> int: ...
 
     @property
     def at(self) -> int: ...
@@ -1638,15 +1641,15 @@ class CardMemory:
     def array(self, shape: Sequence[int]) -> Any:
         """It as an array that DLPack hands over."""
 
-def card_read(at: int, to: numpy.typing.NDArray[numpy.uint8]) -> None:
+def card_read(card: int, at: int, to: numpy.typing.NDArray[numpy.uint8]) -> None:
     """Bytes of a card's memory, when all that was asked of the card is done."""
 
-def card_write(at: int, from_bytes: numpy.typing.NDArray[numpy.uint8]) -> None:
+def card_write(card: int, at: int, from_bytes: numpy.typing.NDArray[numpy.uint8]) -> None:
     """Bytes into a card's memory."""
 
-def check_on_card(at: int) -> None:
+def card_of(at: int) -> int:
     """
-    Raises `omma.Error` where an address is not of the card that Omma uses.
+    The ordinal of the card that an address is on. Raises `omma.Error` where it is on none.
     """
 
 class WorldInstance:
@@ -1683,7 +1686,7 @@ class World:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool, BakedLight | None, bool] | None, progress: object | None) -> None: ...
+    def __init__(self, scene: Scene, threads: int, background: Background | None, backend: str, devices: Sequence[int], band_from_rgb: Sequence[float], lighting: tuple[Light, int, bool, BakedLight | None, bool] | None, progress: object | None) -> None: ...
 
     def with_lighting(self, lighting: tuple[Light, int, bool, BakedLight | None, bool]) -> World: ...
 

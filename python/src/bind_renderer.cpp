@@ -39,7 +39,7 @@ void render(const Renderer& renderer, const Poses& poses, const Place& responses
   if (output_from_band)
     call.output_from_band = {output_from_band->data(), output_from_band->size()};
   call.first_pose = first_pose;
-  Places places(writes_on_card(renderer, standard_error.has_value()));
+  Places places(card_that_writes(renderer, standard_error.has_value()));
   const std::span<float> to = places.add(responses);
   if (standard_error) call.standard_error = places.add(*standard_error);
   if (rays) call.rays = {rays->data(), rays->size()};

@@ -77,18 +77,23 @@ void bind_world(nb::module_& m) {
       .def(
           "__init__",
           [](World* self, std::shared_ptr<Scene> scene, int threads,
-             std::optional<Background> background, std::string backend,
+             std::optional<Background> background, std::string backend, std::vector<int> devices,
              std::vector<double> band_from_rgb, const std::optional<LightingTuple>& lighting,
              const nb::object& progress) {
-            WorldSettings settings{threads, std::move(background), std::move(backend),
-                                   std::move(band_from_rgb), std::nullopt};
+            WorldSettings settings{threads,
+                                   std::move(background),
+                                   std::move(backend),
+                                   std::move(devices),
+                                   std::move(band_from_rgb),
+                                   std::nullopt};
             if (lighting) settings.lighting = lighting_of(*lighting);
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
               new (self) World(std::move(scene), std::move(settings), report);
             });
           },
           nb::arg("scene"), nb::arg("threads"), nb::arg("background").none(), nb::arg("backend"),
-          nb::arg("band_from_rgb"), nb::arg("lighting").none(), nb::arg("progress").none())
+          nb::arg("devices"), nb::arg("band_from_rgb"), nb::arg("lighting").none(),
+          nb::arg("progress").none())
       .def(
           "with_lighting",
           [](const World& world, const LightingTuple& lighting) {
@@ -120,8 +125,8 @@ void bind_world(nb::module_& m) {
                   "collections.abc.Callable[[float], object] | None) -> None"))
       .def(
           "set_vertices",
-          [](World& world, int mesh, const Vectors& positions, const std::optional<Vectors>& normals,
-             const nb::object& progress) {
+          [](World& world, int mesh, const Vectors& positions,
+             const std::optional<Vectors>& normals, const nb::object& progress) {
             run_with_progress(progress, [&](const std::function<bool(double)>& report) {
               world.set_vertices(mesh, vectors_of(positions),
                                  normals ? vectors_of(*normals) : std::span<const Vec3>(), report);

@@ -21,6 +21,7 @@ namespace omma::python {
 
 // float32 on a card, in C order.
 struct CardSpan {
+  int card = 0;  // its ordinal
   std::uintptr_t at = 0;
   std::size_t size = 0;  // numbers
   // In which it may be written to, 0 the default one. None: when all that was asked of the card
@@ -31,24 +32,27 @@ struct CardSpan {
 using HostOutput = nanobind::ndarray<nanobind::numpy, float, nanobind::ndim<3>, nanobind::c_contig>;
 using Place = std::variant<HostOutput, CardSpan>;
 
-// Whether a render writes its outputs on the card alone. Frames that last while things move, and
-// errors of shared rays, are summed up by the host.
-inline bool writes_on_card(const Renderer& renderer, bool with_error) {
+// The card that alone writes the outputs of a render, or -1. Frames that last while things move,
+// and errors of shared rays, are summed up by the host; what several cards share lies on none of
+// them.
+inline int card_that_writes(const Renderer& renderer, bool with_error) {
   const RenderSettings& settings = renderer.settings();
-  return renderer.backend().starts_with("cuda:") && settings.delays_s.empty() &&
-         !(with_error && std::holds_alternative<Shared>(settings.sampling));
+  if (!settings.delays_s.empty()) return -1;
+  if (with_error && std::holds_alternative<Shared>(settings.sampling)) return -1;
+  const std::vector<int> cards = renderer.world().cards();
+  return cards.size() == 1 ? cards.front() : -1;
 }
 
 class Places {
  public:
-  explicit Places(bool on_card) : on_card_(on_card) {}
+  explicit Places(int card) : card_(card) {}
 
   // Memory that the engine is to write into.
   std::span<float> add(const Place& place) {
     if (const auto* host = std::get_if<HostOutput>(&place)) return {host->data(), host->size()};
     const CardSpan& card = std::get<CardSpan>(place);
-    waits_ = waits_ || !card.stream;
-    if (!on_card_) {
+    if (!card.stream) waits_for_.push_back(card.card);
+    if (card.card != card_) {
       copies_.push_back({card, std::vector<float>(card.size)});
       return copies_.back().second;
     }
@@ -58,15 +62,16 @@ class Places {
 
   // `work` writes into all that was added. Without the GIL.
   void run(const std::function<void()>& work) const {
-    if (waits_) wait_for_card();
+    for (const int card : waits_for_) wait_for_card(card);
     const CardOutputs outputs(there_);
     work();
     for (const auto& [card, host] : copies_)
-      write_to_card(card.at, host.data(), host.size() * sizeof(float));
+      write_to_card(card.card, card.at, host.data(), host.size() * sizeof(float));
   }
 
  private:
-  bool on_card_, waits_ = false;
+  int card_;
+  std::vector<int> waits_for_;
   std::vector<CardOutput> there_;
   std::deque<std::pair<CardSpan, std::vector<float>>> copies_;
 };

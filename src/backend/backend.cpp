@@ -14,4 +14,12 @@ const Backend& find_backend(const std::string& name) {
   throw Error("backend: expected one that is built in (" + names + "), found \"" + name + "\"");
 }
 
+void expect_no_devices(const char* backend, std::span<const int> devices) {
+  if (devices.empty()) return;
+  std::string found;
+  for (const int device : devices) found += (found.empty() ? "" : ", ") + std::to_string(device);
+  throw Error("devices: expected none with the backend \"" + std::string(backend) +
+              "\", which runs on the processor (graphics cards are of \"cuda\"); found " + found);
+}
+
 }  // namespace omma

@@ -197,7 +197,8 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
   state->built = std::make_shared<BuiltScene>(state->settings.threads);
   BuiltScene& built = *state->built;
   built.backend = &backend;
-  built.launches = backend.launches();
+  built.devices = state->settings.devices;
+  built.launches = backend.launches(built.devices);
   built.scene = std::move(scene);
   const auto build = [&](WorkState& work) {
     const auto start = Clock::now();
@@ -311,6 +312,10 @@ int World::threads() const {
 std::string World::backend() const {
   const Rendering unmoved(*this);
   return state_->built->acceleration.name;
+}
+std::vector<int> World::cards() const {
+  const Rendering unmoved(*this);
+  return state_->built->acceleration.cards;
 }
 std::string World::precision_warning(std::span<const Mat4> world_from_head) const {
   const Rendering unmoved(*this);

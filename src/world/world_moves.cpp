@@ -186,7 +186,8 @@ Moving::~Moving() {
 }
 
 Acceleration built_as_placed(const BuiltScene& built, WorkState& work) {
-  return built.backend->build(*built.scene, built.shading->view, built.placement, &work);
+  return built.backend->build(*built.scene, built.shading->view, built.placement, built.devices,
+                              &work);
 }
 
 void take_acceleration(BuiltScene& built, Acceleration acceleration) {

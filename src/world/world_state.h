@@ -60,7 +60,8 @@ struct BuiltScene {
   WorldBuildTimes times;
   ThreadArena threads;
   const Backend* backend = nullptr;
-  Launches launches;  // of the backend
+  std::vector<int> devices;
+  Launches launches;  // of the backend, on these devices
 
   Things things;
   Animated animated;

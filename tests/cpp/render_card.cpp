@@ -48,7 +48,7 @@ class CardErrors : public testing::Test {
 TEST_F(CardErrors, OfOpeningSayWhatIsMissing) {
   const CardLibraries libraries = card_libraries();
   const auto opening = [&](CardLibraries changed) {
-    return error_of([&] { (void)open_card(changed); });
+    return error_of([&] { (void)open_card(changed, 0); });
   };
   CardLibraries none = libraries;
   none.driver = "libno_such_driver.so.1";
@@ -68,7 +68,7 @@ TEST_F(CardErrors, OfOpeningNameTheCall) {
         "cuOccupancyMaxActiveBlocksPerMultiprocessor"}) {
     make_driver_fail(call, launch_failed);
     expect_words(error_of([] {
-                   Card card = open_card(card_libraries());
+                   Card card = open_card(card_libraries(), 0);
                    use_card(card);
                    load_kernel(card, CardKernel::render);
                  }),
@@ -125,17 +125,17 @@ TEST(CardOutputs, AreWrittenWhereTheyAre) {
   const Renderer renderer(world, make_eye(sphere_directions(100), 12 * degree), {});
   const std::vector<float> expected = seen(renderer);
   const std::size_t bytes = expected.size() * sizeof(float);
-  const CardPointer at = allocate_on_card(bytes);
-  check_on_card(at);
+  const CardPointer at = allocate_on_card(0, bytes);
+  EXPECT_EQ(card_of(at), 0);
   {
     const CardOutputs outputs({{at, bytes}});
     renderer.render({{Mat4()}}, {reinterpret_cast<float*>(at), expected.size()});
   }
   std::vector<float> found(expected.size());
-  read_from_card(found.data(), at, bytes);
-  free_on_card(at);
+  read_from_card(0, found.data(), at, bytes);
+  free_on_card(0, at);
   EXPECT_EQ(found, expected);
-  EXPECT_THROW(check_on_card(reinterpret_cast<CardPointer>(found.data())), Error);
+  EXPECT_THROW(card_of(reinterpret_cast<CardPointer>(found.data())), Error);
 }
 
 }  // namespace

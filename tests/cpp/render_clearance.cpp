@@ -15,8 +15,8 @@ std::vector<std::vector<float>> clearances_in(const Scene& scene) {
   const auto shading = make_shading_data(scene);
   const Placement placement = placement_of(scene);
   const Backend& backend = find_backend(backend_under_test);
-  const Acceleration built = backend.build(scene, shading->view, placement, nullptr);
-  return clearances_m({backend.launches().closest, built.tracer.get()}, scene, placement);
+  const Acceleration built = backend.build(scene, shading->view, placement, {}, nullptr);
+  return clearances_m({backend.launches({}).closest, built.tracer.get()}, scene, placement);
 }
 
 // Between plates at a distance d that are far wider, rays by the cosine meet the other one at d /

@@ -31,7 +31,7 @@ struct Built {
     placement = placement_of(scene);
     const bool embree = std::is_same_v<Search, EmbreeSearch<L>>;
     acceleration = (embree ? embree_backend() : portable_backend())
-                       .build(scene, shading->view, placement, nullptr);
+                       .build(scene, shading->view, placement, {}, nullptr);
     const double origin[3] = {placement.origin_m.x, placement.origin_m.y, placement.origin_m.z};
     for (const Mat4& t : placement.world_from_mesh)
       for (int r = 0; r < 3; ++r)

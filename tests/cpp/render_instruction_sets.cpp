@@ -55,7 +55,7 @@ TEST(InstructionSets, GiveTheSameBits) {
     SceneView view = shading->view;
     view.background = background.view;
     const Acceleration acceleration =
-        embree_backend().build(scene, shading->view, placement_of(scene), nullptr);
+        embree_backend().build(scene, shading->view, placement_of(scene), {}, nullptr);
     const DirectionTables directions = make_direction_tables(eye, {}, samples);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
     const DirectionsView directions_view = omma::view(directions);

@@ -325,7 +325,7 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
   view.background = background.view;
   const Placement placement = placement_of(scene);
   const Backend& backend = find_backend(backend_under_test);
-  const Acceleration built = backend.build(scene, shading->view, placement, nullptr);
+  const Acceleration built = backend.build(scene, shading->view, placement, {}, nullptr);
   const DirectionTables directions = make_direction_tables(eye, {}, 21);
   const EyeArrays arrays = make_eye_arrays(eye, directions);
   const DirectionsView directions_view = omma::view(directions);
@@ -345,7 +345,7 @@ std::vector<float> rendered(const Scene& scene, const Eye& eye, const Mat4& worl
     task.count = std::min(most_per_block, ommatidia - task.first);
     tasks.push_back(task);
   }
-  backend.launches().render(frame, tasks, built.tracer.get());
+  backend.launches({}).render(frame, tasks, built.tracer.get());
   return responses;
 }
 

@@ -30,8 +30,8 @@ struct SunScene {
   explicit SunScene(Scene from)
       : scene(std::move(from)), shading(make_shading_data(scene)), placement(placement_of(scene)) {
     const Backend& backend = find_backend(backend_under_test);
-    acceleration = backend.build(scene, shading->view, placement, nullptr);
-    launches = backend.launches();
+    acceleration = backend.build(scene, shading->view, placement, {}, nullptr);
+    launches = backend.launches({});
   }
 
   SunMapData map(Vec3d towards, const SunMapSettings& settings = {},

@@ -19,9 +19,10 @@ STREAM = 0x1230
 class Tensor:
     """Another library's array on the card: only what ``__cuda_array_interface__`` asks for."""
 
-    def __init__(self, array, version=2, read_only=False, **more):
-        self.memory = _core.CardMemory(array.nbytes // 4 + 1)
-        _core.card_write(self.memory.at, np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+    def __init__(self, array, version=2, read_only=False, card=0, **more):
+        self.memory = _core.CardMemory(array.nbytes // 4 + 1, card)
+        numbers = np.ascontiguousarray(array).reshape(-1)
+        _core.card_write(card, self.memory.at, numbers.view(np.uint8))
         self.given = {
             "version": version,
             "shape": array.shape,
@@ -57,8 +58,8 @@ def scene():
     return omma.load_scene(omma.examples.meadow())
 
 
-def renderer(backend="cuda", sampling=None, eye=None, **settings):
-    world = omma.World(scene(), backend=backend)
+def renderer(backend="cuda", sampling=None, eye=None, devices=(), **settings):
+    world = omma.World(scene(), backend=backend, devices=devices)
     return omma.Renderer(
         world, eye or omma.eye.generate_eye(60), sampling or omma.Fixed(2), **settings
     )
@@ -89,6 +90,20 @@ def responses_stay_there():
     given, same = to_error.render(POSES, report=True, out=out)
     assert np.array_equal(given.numpy(), expected)
     assert same == report
+
+
+def every_card_has_its_own():
+    """What one card has written for a tensor on another is copied there, as is what two share."""
+    expected = renderer().render(POSES)
+    for devices in ((0,), (1,), (0, 1)):
+        one = renderer(devices=devices)
+        for card in (0, 1):
+            out = CardArray(expected.shape, card)
+            one.render(POSES, out=out)
+            assert np.array_equal(out.numpy(), expected)
+            assert out.__dlpack_device__() == (2, card)
+    with pytest.raises(omma.Error, match="devices: expected ordinals below 2"):
+        CardArray((3,), 2)
 
 
 def responses_of_what_lasts_and_moves_stay_there():
@@ -141,7 +156,7 @@ def streams_are_kept():
     assert np.array_equal(tensor.numpy(), expected)
     one.render(POSES)
     assert not card.emulated_last_stream()
-    card.emulated_fail(b"cuCtxSynchronize", 719, 1)
+    card.emulated_fail(b"cuCtxSynchronize", 719, 1, -1)
     with pytest.raises(omma.Error, match=r"cuda:0 .*cuCtxSynchronize failed"):
         one.render(POSES, out=Tensor(np.zeros_like(expected), version=2))
 
@@ -160,7 +175,7 @@ def bad_arrays_are_refused_by_name():
     ]
     elsewhere = Tensor(zeros)
     elsewhere.given["data"] = (zeros.ctypes.data, False)
-    refused.append((elsewhere, omma.Error, "out: expected an array on cuda:0 .emulated card."))
+    refused.append((elsewhere, omma.Error, "out: expected an array on a card, found one that the"))
     for out, error, words in refused:
         with pytest.raises(error, match=words):
             one.render(POSES, out=out)

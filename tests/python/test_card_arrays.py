@@ -22,7 +22,7 @@ PROGRAMS = [
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_on_the_card(name, tmp_path):
     program = f"import card_programs; card_programs.{name}()"
-    done = run("-W", "error", "-c", program, cache=tmp_path, cwd=Path(__file__).parent)
+    done = run("-W", "error", "-c", program, cache=tmp_path, cards=2, cwd=Path(__file__).parent)
     assert done.returncode == 0, done.stderr
 
 

@@ -9,18 +9,20 @@ import pytest
 
 import omma
 from omma.scene import devices
+from omma.scene.device_list import without_ordinals
 
 BUILT = Path(__file__).parents[2] / "build/default/tests/cpp"
 STAND_IN = BUILT / "libomma_emulated_driver.so"
 with_stand_in = pytest.mark.skipif(not STAND_IN.exists(), reason="the C++ tests are not built")
 
 
-def run(*arguments, card=True, cache="", **more):
-    """What a process prints that has the stand-in for a card, or none."""
+def run(*arguments, card=True, cards=1, cache="", **more):
+    """What a process prints that has the stand-in for so many cards, or none."""
     driver = str(STAND_IN) if card else "libno_such_driver.so.1"
     environment = {
         **os.environ,
         "OMMA_CUDA_DRIVER": driver,
+        "OMMA_EMULATED_CARDS": str(cards),
         "OMMA_NVRTC": str(BUILT / "libomma_stand_in_nvrtc.so"),
         "OMMA_CACHE": str(cache),
     }
@@ -47,6 +49,84 @@ def test_a_card_gives_the_bits_of_portable(tmp_path):
     done = run("-W", "error", "-c", RENDER, cache=tmp_path)
     assert done.stdout.splitlines() == ["cuda:0 (emulated card) True True"] * 2, done.stderr
     assert list((tmp_path / "kernels").glob("*.cubin"))
+
+
+SEVERAL = """
+import copy, pickle
+import numpy as np, omma
+scene = omma.load_scene(omma.examples.meadow())
+eye = omma.eye.generate_eye(70)
+poses = omma.poses_from_angles([[0.1 * k, 1, 0.1 * k] for k in range(5)], [[20, 5, 0]] * 5)
+def rendered(world):
+    return omma.Renderer(world, eye, omma.Fixed(2)).render(poses)
+first = omma.World(scene, backend="cuda", devices=[0])
+both = omma.World(scene, backend="cuda", devices=[0, 1])
+for world in (both, pickle.loads(pickle.dumps(both))):
+    print(world.backend, np.array_equal(rendered(first), rendered(world)))
+renderer = omma.Renderer(scene, eye, omma.Fixed(2), backend="cuda", devices=np.array([1]))
+print(renderer.backend, np.array_equal(renderer.render(poses), rendered(first)))
+for wrong, backend in (([2], "cuda"), ([0, 0], "cuda"), ([-1], "cuda"), ([0], "portable"),
+                       (1, "cuda"), ([0.5], "cuda"), ("01", "cuda")):
+    try:
+        omma.World(scene, backend=backend, devices=wrong)
+    except (omma.Error, TypeError) as error:
+        print(type(error).__name__, error)
+try:
+    omma.Renderer(both, eye, devices=[0])
+except omma.Error as error:
+    print(error)
+"""
+
+
+@with_stand_in
+def test_several_cards_share_a_render(tmp_path):
+    done = run("-W", "error", "-c", SEVERAL, cards=2, cache=tmp_path)
+    both = "cuda:0 (emulated card), cuda:1 (emulated card)"
+    found = done.stdout.splitlines()
+    assert found[:3] == [f"{both} True", f"{both} True", "cuda:1 (emulated card) True"], done.stderr
+    expected = (
+        f"Error devices: expected ordinals below 2, as the driver has {both}; found 2",
+        "Error devices: expected each card once, found 0 twice",
+        "Error devices: expected 0 to 65536, found -1",
+        'Error devices: expected none with the backend "portable"',
+        "TypeError devices: expected ordinals of cards such as [0, 1], found int 1",
+        "TypeError devices: expected a whole number, found float 0.5",
+        "TypeError devices: expected ordinals of cards such as [0, 1], found str '01'",
+        "devices: the world that is given has its own",
+    )
+    assert len(found) == 3 + len(expected), done.stderr
+    for line, words in zip(found[3:], expected):
+        assert line.startswith(words)
+
+
+@with_stand_in
+def test_the_command_line_takes_several_cards(tmp_path):
+    eye = tmp_path / "one.eye"
+    omma.save_eye(eye, omma.eye.generate_eye(20))
+    path = tmp_path / "path.csv"
+    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n0,1,1,9,0,0\n")
+    render = ("-m", "omma", "render", omma.examples.meadow(), "--eye", eye, "--path", path)
+    by_card = (*render, "--samples", "2", "--backend", "cuda")
+    for name, cards in (("first", ()), ("both", ("--device", "0", "--device", "1"))):
+        done = run(*by_card, *cards, "-o", tmp_path / f"{name}.npy", cards=2, cache=tmp_path)
+        assert done.returncode == 0, done.stderr
+    both = tmp_path / "both.npy"
+    assert both.read_bytes() == (tmp_path / "first.npy").read_bytes()
+    again = tmp_path / "again.npy"
+    done = run("-m", "omma", "render-again", both, "-o", again, cards=2, cache=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "last bits" not in done.stdout + done.stderr
+    assert again.read_bytes() == both.read_bytes()
+    done = run(*by_card, "--device", "2", "-o", again, cards=2, cache=tmp_path)
+    assert done.returncode != 0
+    assert "--device: expected ordinals below 2" in done.stderr
+
+
+def test_kinds_of_cards_are_what_counts():
+    one, two = "cuda:0 (H100)", "cuda:0 (H100), cuda:3 (H100)"
+    assert without_ordinals(one) == without_ordinals(two) == "cuda (H100)"
+    assert without_ordinals("cuda:1 (A100), cuda:0 (H100)") == "cuda (A100), cuda (H100)"
+    assert without_ordinals("embree 3.13.5") == "embree 3.13.5"
 
 
 @with_stand_in
@@ -91,7 +171,8 @@ def test_a_card_is_taken_by_itself(tmp_path):
     [
         ("card_check._ALLOWED = -1", "it sees a small scene otherwise, by 0 of the mean"),
         (
-            "ctypes.CDLL(os.environ['OMMA_CUDA_DRIVER']).emulated_fail(b'cuLaunchKernel', 2, 1)",
+            "driver = ctypes.CDLL(os.environ['OMMA_CUDA_DRIVER'])\n"
+            "driver.emulated_fail(b'cuLaunchKernel', 2, 1, -1)",
             "cuLaunchKernel failed: CUDA_ERROR_OUT_OF_MEMORY",
         ),
         ("os.environ['OMMA_NVRTC'] = 'libnone.so'", "libnone.so"),
@@ -112,6 +193,13 @@ def test_without_a_card_nothing_is_said():
     done = run("-W", "error", "-c", CHOOSE.format(""), card=False)
     assert done.returncode == 0
     assert "cuda" not in done.stdout
+
+
+@with_stand_in
+def test_info_says_all_cards():
+    done = run("-m", "omma", "info", "--devices", cards=3)
+    for ordinal in range(3):
+        assert f"cuda:{ordinal} (emulated card)" in done.stdout
 
 
 def test_info_says_why_there_is_none():

@@ -20,6 +20,8 @@ class OnCard:
 
     value: Any
     """The other library's."""
+    card: int
+    """The ordinal of the card."""
     at: int
     """Its address on the card."""
     shape: tuple[int, ...]
@@ -31,7 +33,7 @@ class OnCard:
     @property
     def span(self) -> _core.CardSpan:
         """It as the engine takes it."""
-        return _core.CardSpan(self.at, prod(self.shape), self.stream)
+        return _core.CardSpan(self.card, self.at, prod(self.shape), self.stream)
 
     @property
     def bytes(self) -> int:
@@ -41,12 +43,12 @@ class OnCard:
     def copy(self) -> NDArray[Any]:
         """What it holds, as NumPy's, when all that was asked of the card is done."""
         array = np.empty(self.shape, self.dtype)
-        _core.card_read(self.at, array.reshape(-1).view(np.uint8))
+        _core.card_read(self.card, self.at, array.reshape(-1).view(np.uint8))
         return array
 
     def write(self, array: NDArray[Any]) -> None:
         """Give it the numbers of an array of the same shape and type."""
-        _core.card_write(self.at, np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+        _core.card_write(self.card, self.at, np.ascontiguousarray(array).reshape(-1).view(np.uint8))
 
 
 def on_host(array: NDArray[Any] | OnCard) -> NDArray[Any]:
@@ -93,16 +95,17 @@ def find_on_card(value: Any, name: str) -> OnCard | None:
         raise Error(f"{name}: expected an array in C order, found {_named(value)} that is not")
     if given.get("mask") is not None or dtype.kind not in "biuf":
         raise Error(f"{name}: expected an array of numbers, found {_named(value)} of {dtype}")
-    if at != 0:
-        try:
-            _core.check_on_card(at)
-        except Error as error:
-            raise Error(f"{name}: {error}") from None
-    return OnCard(value, int(at), shape, dtype, _stream(given), not read_only)
+    if 0 in shape:
+        raise Error(f"{name}: expected numbers, found {_named(value)} of shape {shape}")
+    try:
+        card = _core.card_of(at)
+    except Error as error:
+        raise Error(f"{name}: {error}") from None
+    return OnCard(value, card, int(at), shape, dtype, _stream(given), not read_only)
 
 
 def _in_c_order(shape: tuple[int, ...], strides: Any, step: int) -> bool:
-    if strides is None or 0 in shape:
+    if strides is None:
         return True
     for length, stride in zip(reversed(shape), reversed(strides)):
         if length > 1 and stride != step:

@@ -101,6 +101,15 @@ BackendOption = Annotated[
         show_default=False,
     ),
 ]
+DeviceOption = Annotated[
+    list[int] | None,
+    typer.Option(
+        help="With --backend cuda: ordinal of a graphics card; several share the poses. Default: "
+        "0, the first one.",
+        metavar="N",
+        min=0,
+    ),
+]
 WidthOption = Annotated[
     int | None,
     typer.Option(

@@ -12,6 +12,7 @@ from omma.cli.help import App
 from omma.cli.options import (
     BackendOption,
     BackgroundOption,
+    DeviceOption,
     GammaOption,
     HeightOption,
     LightOption,
@@ -165,6 +166,7 @@ def render(
     settings: Settings = _DEFAULTS,
     threads: ThreadsOption = 0,
     backend: BackendOption = "",
+    device: DeviceOption = None,
     projection: Annotated[
         str | None,
         typer.Option(
@@ -208,6 +210,7 @@ def render(
         scene_up=scene_up,
         threads=threads,
         backend=backend,
+        devices=tuple(device or ()),
         background=background,
         light=lit_by,
         standard_error=standard_error,

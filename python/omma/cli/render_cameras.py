@@ -12,6 +12,7 @@ from omma.cli.help import App
 from omma.cli.options import (
     BackendOption,
     BackgroundOption,
+    DeviceOption,
     GammaOption,
     HeightOption,
     LightOption,
@@ -83,6 +84,7 @@ def render_cameras(
     settings: Settings = _DEFAULTS,
     threads: ThreadsOption = 0,
     backend: BackendOption = "",
+    device: DeviceOption = None,
     projection: Annotated[
         str | None,
         typer.Option(
@@ -109,6 +111,7 @@ def render_cameras(
             unit=unit,
             threads=threads,
             backend=backend,
+            devices=tuple(device or ()),
             background=background,
             light=lit_by,
             projection=projection,

@@ -20,7 +20,8 @@ def as_typed(message: str, options: Collection[str]) -> str:
 
     def option_of(name: str) -> str:
         option = "--" + name.replace("_", "-")
-        return option if option in options else name
+        one_of_several = option.removesuffix("s")  # that can be given several times
+        return next((one for one in (option, one_of_several) if one in options), name)
 
     def options_of(found: re.Match[str]) -> str:
         return re.sub(r"(?!and\b)\b\w+", lambda name: option_of(name[0]), found[0])

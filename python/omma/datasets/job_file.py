@@ -40,6 +40,7 @@ from omma.rendering.settings import (
     settings_as_record,
 )
 from omma.scene.baking import Bake
+from omma.scene.device_list import ordinals
 from omma.scene.light_words import SKIES
 
 OUTPUTS = ("responses", "errors", "receptors", "truth", "flow", "shares", "pictures")
@@ -113,6 +114,7 @@ class Job:
     poses: tuple[PoseSet, ...]
     settings: Settings
     backend: str
+    devices: tuple[int, ...]  # of that backend
     bands: int  # of worlds with light; 0: as many as `omma.light.Bands.equal` has
     picture_width: int
     picture_projection: str | None
@@ -182,6 +184,7 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     rendering = Table(job.take("rendering", _same, {}), f"{file}, rendering")
     bands = rendering.take("bands", count, 0)
     backend = rendering.take("backend", text, "")
+    devices = rendering.take("devices", ordinals, ())
     settings = _settings(rendering)
     pictures = Table(job.take("pictures", _same, {}), f"{file}, pictures")
     width = pictures.take("width", count, 128)
@@ -205,12 +208,14 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     _check_together(file, outputs, settings, conditions)
     _check_truths(file, outputs, instances, poses)
     plain = {key: value for key, value in values.items() if key not in ("slurm",)}
+    if devices:
+        plain["rendering"] = {k: v for k, v in plain["rendering"].items() if k != "devices"}
     plain["dataset"] = {k: v for k, v in plain.get("dataset", {}).items() if k != "store"}
     store = str(folder / expect_local(store, "a data set"))
     return Job(
         file, said, _as_json(plain), store, seed, outputs, instances, scenes, eyes,
-        conditions, poses, settings, backend, bands, width, projection, views_per_chunk,
-        views_per_shard, slurm,
+        conditions, poses, settings, backend, devices, bands, width, projection,
+        views_per_chunk, views_per_shard, slurm,
     )  # fmt: skip
 
 

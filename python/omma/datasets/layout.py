@@ -192,7 +192,7 @@ def _labels(job: Job, eye: Eye) -> Labels:
 
     light = make_light(*job.conditions[0].light, job.bands)
     renderer = Renderer(
-        World(Scene(), light=light, backend=job.backend, threads=1),
+        World(Scene(), light=light, backend=job.backend, devices=job.devices, threads=1),
         eye,
         job.settings.sampling,
         threads=1,

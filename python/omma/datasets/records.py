@@ -35,6 +35,7 @@ from omma.datasets.job_file import Job
 from omma.datasets.plan import MOST_VIEWS, Plan
 from omma.datasets.shard_bytes import COMPRESSION
 from omma.rendering.labelled_files import ZARR_MARKER, load_package
+from omma.scene.device_list import without_ordinals
 
 FORMAT = "omma dataset 1"
 
@@ -179,8 +180,8 @@ def check_same(store: str, then: Mapping[str, Any], now: Mapping[str, Any]) -> N
 
 
 def _differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    for name in ("omma_version", "backend"):
-        if then.get(name) != now[name]:
+    for name, tell in (("omma_version", str), ("backend", without_ordinals)):
+        if tell(str(then.get(name))) != tell(now[name]):
             yield f"{name} was {then.get(name)!r}, is {now[name]!r}"
     before, after = dict(then.get("inputs_sha256", {})), now["inputs_sha256"]
     for file in [*after, *(file for file in before if file not in after)]:

@@ -178,7 +178,7 @@ def _begin(
     digests: dict[str, str],
 ) -> None:
     """Make the store where there is none; else see that it is of this very job."""
-    backend = World(Scene(), backend=job.backend, threads=1).backend
+    backend = World(Scene(), backend=job.backend, devices=job.devices, threads=1).backend
     groups = {eye: layout.group for eye, layout in layouts.items()}
     manifest = make_manifest(job, plan, digests, backend, groups)
     if os.path.lexists(path):

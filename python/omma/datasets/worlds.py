@@ -132,7 +132,8 @@ class Workshop:
             parts = [self._read(scene.file, scene.options)]
             parts += [_placed(self._read(one.file, {}), one) for one in condition.objects]
             whole = parts[0] if len(parts) == 1 else merge_scenes(parts)
-            world = World(whole, threads=self._threads, backend=self.job.backend)
+            job = self.job
+            world = World(whole, threads=self._threads, backend=job.backend, devices=job.devices)
             self._worlds[key] = (world, FreeSpace(world, self._threads))
         self._worlds.move_to_end(key)
         return self._worlds[key]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -27,6 +28,7 @@ from omma.job.reports import RenderReport
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
+from omma.scene.device_list import without_ordinals
 from omma.scene.light_words import words_of_before
 
 
@@ -111,7 +113,7 @@ def render_like(
             (f"Omma {version}", f"Omma {_core.__version__}"),
             (backend, report.backend),
         )
-        if was != now
+        if without_ordinals(was) != without_ordinals(now)
     ]
     return replace(report, warnings=(*report.warnings, *differs))
 
@@ -161,8 +163,8 @@ def head_of(eyes: Sequence[PathLike], unit: str | float) -> Eye:
 
 
 def backend_word(backend: str) -> str:
-    """What chooses a backend, from what it calls itself, such as "embree 3.13.5"."""
-    return (backend.replace(",", " ").split() or [""])[0]
+    """What chooses a backend, from what it calls itself, "embree 3.13.5" or "cuda:0 (…)"."""
+    return (re.split("[ ,:]", backend.strip()) or [""])[0]
 
 
 def _beside_each_other(digests: Mapping[str, str], scene: str) -> dict[str, str]:

@@ -75,6 +75,7 @@ def render_all_cameras(
     scene_index: int | None = None,
     threads: int = 0,
     backend: str = "",
+    devices: Sequence[int] = (),
     background: Background | str | None = None,
     light: str | None = None,
     projection: str | None = None,
@@ -95,7 +96,7 @@ def render_all_cameras(
             projections with a pixel for each ommatidium keep their own size.
         projection: of all eyes, instead of the one that their camera names.
         sampling: `Fixed`.
-        scene_index, threads, backend, background, light, gamma, progress, options: as in
+        scene_index, threads, backend, devices, background, light, gamma, progress, options: as in
             `render_file`.
 
     Raises:
@@ -131,6 +132,7 @@ def render_all_cameras(
         tell,
         background=parse_background(background) if isinstance(background, str) else background,
         backend=backend,
+        devices=devices,
         threads=threads,
         **({} if light is None else parse_light(light)),
     )

@@ -54,6 +54,7 @@ class Begun:
             threads=self.job.threads,
             background=self.background,
             backend=self.job.backend,
+            devices=self.job.devices,
             **self.light,
         )
 

@@ -26,7 +26,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 # Fields that do not change responses, or that files tell otherwise.
 _NO_RECORD = (
     *("scene", "outputs", "settings", "eyes", "path", "poses"),
-    *("threads", "backend", "resume", "command"),
+    *("threads", "backend", "devices", "resume", "command"),
 )
 
 
@@ -54,6 +54,7 @@ class RenderJob:
     scene_up: str | None = None
     threads: int = 0
     backend: str = ""
+    devices: Sequence[int] = ()
     background: Background | str | None = None
     light: str | None = None
     standard_error: bool = False
@@ -126,6 +127,7 @@ class JobOptions(Options, total=False):
     scene_up: str | None
     threads: int
     backend: str
+    devices: Sequence[int]
     background: Background | str | None
     light: str | None
     standard_error: bool

@@ -80,7 +80,7 @@ def render_file(
             `load_scene`.
         sampling, options: as in `Renderer`; the frame of a path's pose has its number in the path.
             A camera's picture takes `Fixed` and a seed, as `render_camera` does.
-        threads, backend: as in `Renderer`.
+        threads, backend, devices: as in `Renderer`.
         background: a `Background`, or text as `parse_background` takes it.
         light: what lights the scene, as text that `omma.scene.light_words.parse_light` takes;
             numbers are then spectral radiance in bands, and pictures have the colours that people

@@ -22,6 +22,7 @@ from omma.base.files import PathLike, WholeFiles, digests_of
 from omma.base.said import is_number
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Settings, settings_as_record
+from omma.scene.device_list import without_ordinals
 
 
 class KeptRender:
@@ -104,7 +105,7 @@ def inputs_of(
         raise Error("resume: expected a background as text, which can be compared, found an object")
     return {
         "omma": _core.__version__,
-        "backend": backend,
+        "backend": without_ordinals(backend),
         "outputs": list(names),
         **settings_as_record(settings),
         **{name: np.asarray(value).tolist() for name, value in others.items()},

@@ -15,6 +15,7 @@ from omma.base.arguments import whole
 from omma.base.card_arrays import find_on_card, on_host
 
 _MOST = 1 << 31  # of an axis
+_MOST_CARD = 1 << 16
 
 
 class CardArray:
@@ -28,16 +29,17 @@ class CardArray:
 
     Args:
         shape: lengths of its axes.
+        card: the ordinal of the card.
 
     Raises:
-        omma.Error: there is no card that can be used, or not enough memory on it.
+        omma.Error: there is no such card that can be used, or not enough memory on it.
     """
 
-    def __init__(self, shape: Sequence[int]) -> None:
+    def __init__(self, shape: Sequence[int], card: int = 0) -> None:
         self.shape = tuple(whole(length, "shape", 1, _MOST) for length in shape)
         if not self.shape:
             raise Error("shape: expected at least one axis, found none")
-        self._memory = _core.CardMemory(prod(self.shape))
+        self._memory = _core.CardMemory(prod(self.shape), whole(card, "card", 0, _MOST_CARD))
 
     @property
     def __cuda_array_interface__(self) -> dict[str, Any]:
@@ -65,4 +67,4 @@ class CardArray:
         return on_host(on_card)
 
     def __repr__(self) -> str:
-        return f"<omma.rendering.CardArray {self.shape} of float32 on cuda:0>"
+        return f"<omma.rendering.CardArray {self.shape} of float32 on cuda:{self._memory.card}>"

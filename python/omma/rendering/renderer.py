@@ -57,7 +57,7 @@ class Renderer:
             `omma.rendering.Settings` has them: that says what each does.
         threads: 0 takes one per hardware thread.
         background: instead of the scene's or the world's own.
-        backend: what traces the rays of a scene, see `World`; a world has its own.
+        backend, devices: what traces the rays of a scene, see `World`; a world has its own.
         progress: called with the finished share (0 to 1) of the acceleration structure a few times
             a second, where one is made. What it raises ends the building and is raised here; so
             does Ctrl-C.
@@ -97,6 +97,7 @@ class Renderer:
         threads: int = 0,
         background: Background | None = None,
         backend: str = "",
+        devices: Sequence[int] = (),
         progress: Progress | None = None,
         **options: Unpack[Options],
     ) -> None:
@@ -104,6 +105,8 @@ class Renderer:
             expect(scene, Scene, "scene", "omma.load_scene gives one")
         elif backend:
             raise Error("backend: the world that is given has its own")
+        elif len(devices) > 0:
+            raise Error("devices: the world that is given has its own")
         eye = _one_eye(eye)
         if background is not None:
             expect(background, Background, "background", "omma.Background.constant gives one")
@@ -112,8 +115,9 @@ class Renderer:
         self._build_times: dict[str, float] = {"scene_s": 0.0, "acceleration_s": 0.0}
         if isinstance(scene, Scene):
             scene = World(
-                scene, background=background, threads=threads, backend=backend, progress=progress
-            )
+                scene, background=background, threads=threads, backend=backend, devices=devices,
+                progress=progress,
+            )  # fmt: skip
             self._build_times = scene.build_times
         elif background is not None:
             scene = scene.with_background(background)

@@ -20,6 +20,7 @@ from omma._core import Error, Scene, __version__
 from omma.base.directories import cache_folder
 from omma.base.files import WholeFiles, make_directory
 from omma.base.warn import warn_caller
+from omma.scene.device_list import without_ordinals
 
 # Of keys and files; raised where either changes.
 _FORMAT = 4
@@ -64,7 +65,8 @@ def world_key(
     """
     digest = hashlib.blake2b(digest_size=32)
     transforms = [one.world_from_node for one in engine.instances]
-    for one in (_FORMAT, __version__, engine.backend, of_scene, transforms, light, settings):
+    backend = without_ordinals(engine.backend)
+    for one in (_FORMAT, __version__, backend, of_scene, transforms, light, settings):
         _add(digest, one)
     return digest.hexdigest()
 

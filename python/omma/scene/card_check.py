@@ -57,7 +57,7 @@ def _seen(scene: Scene, backend: str, is_lit: bool) -> NDArray[np.float32]:
         )
         assert given is not None
         lit = given.for_engine(given.light_arguments(scene))
-    world = _core.World(scene, 0, None, backend, [], lit, None)
+    world = _core.World(scene, 0, None, backend, [], [], lit, None)
     eye = generate_eye(100)
     engine = _core.Renderer(world, eye, _core.RenderSettings(sampling=("fixed", 8)))
     pose = _core.look_at((0, 1, 1.5), (0, 0.5, -2))[None]

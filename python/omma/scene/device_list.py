@@ -1,11 +1,14 @@
-"""What there is to trace rays with: the processor, and a graphics card where there is one."""
+"""What there is to trace rays with: the processor, and graphics cards where there are some."""
 
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from omma import _core
+from omma.base.arguments import whole
 from omma.base.card_compiler import find_nvrtc
 from omma.base.directories import cache_folder
 from omma.base.warn import warn_caller
@@ -27,28 +30,30 @@ class Device:
 
 
 def devices() -> tuple[Device, ...]:
-    """The processor, then the graphics card, or why there is none that can be used.
+    """The processor, then each graphics card of the driver, or why there is none.
 
-    Compiles nothing.
+    Compiles nothing. A world takes the first card, or others by their ordinals,
+    ``omma.World(scene, devices=[0, 1])``.
     """
     processors = tuple(name for name in _core.backends() if name != "cuda")
-    name, _, why_not = _find_card()
     return (
         Device(f"{os.cpu_count()} threads", processors),
-        Device(name, ("cuda",), why_not),
+        *(Device(name, ("cuda",), why_not) for name, _, why_not in _find_cards()),
     )
 
 
-def _find_card() -> tuple[str, str, str]:
-    """The card's name, its driver's CUDA and why it cannot be used; tells the engine of NVRTC."""
+def _find_cards() -> list[tuple[str, str, str]]:
+    """Of each card the name, its driver's CUDA and why it cannot be used; tells the engine of
+    NVRTC."""
     kernels = str(cache_folder("kernels"))
     _core.use_card_libraries("", kernels)
-    name, driver, why_not = _core.card_state()
-    if not driver:
-        return name, driver, why_not
+    states = _core.card_states()
+    drivers = [driver for _, driver, _ in states if driver]
+    if not drivers:
+        return states
     # Kernels that a newer CUDA has compiled are nothing to an older driver.
-    _core.use_card_libraries(find_nvrtc(int(driver.split(".")[0])), kernels)
-    return _core.card_state()
+    _core.use_card_libraries(find_nvrtc(int(drivers[0].split(".")[0])), kernels)
+    return _core.card_states()
 
 
 # Why cards were left alone, by their names; "" of those that may be taken. Of this process.
@@ -73,14 +78,36 @@ def _takes_card(name: str, why_not: str) -> bool:
     return not _left_alone[name]
 
 
-def prepare_backend(backend: str) -> str:
-    """The backend of a world, made ready: a card's kernels are compiled where they are not kept.
-
-    Args:
-        backend: "" takes a card where there is one, else the fastest of the processor's.
+def ordinals(devices: Iterable[int], name: str = "devices") -> tuple[int, ...]:
+    """Ordinals of cards as they are given, as whole numbers; ``name`` is what messages call them.
 
     Raises:
-        omma.Error: there is no card that can be used, and one is asked for; why.
+        omma.Error: one is below 0.
+        TypeError: they are something else.
+    """
+    if isinstance(devices, (str, bytes)) or not isinstance(devices, Iterable):
+        raise TypeError(
+            f"{name}: expected ordinals of cards such as [0, 1], found {type(devices).__name__} "
+            f"{devices!r:.40}"
+        )
+    return tuple(whole(one, name, 0, 1 << 16) for one in devices)
+
+
+def without_ordinals(backend: str) -> str:
+    """What of a backend's name responses depend on: of cards the kinds, not which and how many."""
+    parts = re.split(r", (?=cuda:\d)", backend)
+    return ", ".join(sorted({re.sub(r"^cuda:\d+", "cuda", part) for part in parts}))
+
+
+def prepare_backend(backend: str, devices: Collection[int]) -> str:
+    """The backend of a world, made ready: cards' kernels are compiled where they are not kept.
+
+    Args:
+        backend: "" takes cards where some are named or the first one can be taken, else the fastest
+            of the processor's.
+
+    Raises:
+        omma.Error: there is no such card that can be used, and it is asked for; why.
 
     Warns:
         UserWarning: the kernels cannot be kept, so that each process compiles them; or there is a
@@ -88,10 +115,10 @@ def prepare_backend(backend: str) -> str:
     """
     if backend not in ("", "cuda"):
         return backend
-    name, _, why_not = _find_card()
-    if backend == "" and not _takes_card(name, why_not):
+    name, _, why_not = _find_cards()[0]
+    if backend == "" and not devices and not _takes_card(name, why_not):
         return ""
-    note = _core.card_note()
+    note = _core.card_note(list(devices))
     if note:
         warn_caller(f"the card's kernels are compiled by each process: {note}", UserWarning)
     return "cuda"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from omma.base.progress import Progress, share_of
 from omma.base.values import check_format
 from omma.light import Light
 from omma.scene.baking import Bake, BakeCost, BakedInfo, bake_cost, find_baked_light
-from omma.scene.device_list import prepare_backend
+from omma.scene.device_list import ordinals, prepare_backend
 from omma.scene.lighting import (
     Lighting,
     LightingName,
@@ -31,7 +31,7 @@ from omma.scene.world_colors import Colors, set_color, set_image
 from omma.scene.world_moves import at, camera_at, set_transforms, set_vertices, vertices
 
 # Of the pickles of worlds; raised where what they hold changes.
-_PICKLE_FORMAT = 4
+_PICKLE_FORMAT = 5
 # The share of progress that building has where light is baked too.
 _BUILDING = 0.1
 
@@ -52,6 +52,8 @@ class World:
             processor; "cuda", a graphics card of NVIDIA's; or "": the card where there is one that
             sees a small scene as the processor does (`omma.scene.devices`, docs/install.md), else
             the faster of the others that is built in.
+        devices: ordinals of the graphics cards that share the poses of a render, to the same bits,
+            such as [0, 1]; () takes the first one.
         band_from_rgb: (B, 3), what linear RGB, as textures, colours and backgrounds have it, is in
             each of 1 to 128 bands (`omma.light.band_from_rgb` makes it); responses are then
             [..., B]. None: the bands are red, green and blue. Not together with ``light``, which
@@ -103,6 +105,7 @@ class World:
         background: Background | None = None,
         threads: int = 0,
         backend: str = "",
+        devices: Sequence[int] = (),
         band_from_rgb: ArrayLike | None = None,
         light: Light | None = None,
         lighting: LightingName | None = None,
@@ -124,7 +127,8 @@ class World:
         self._moved: dict[int, NDArray[np.float64]] = {}
         self._colors = Colors(scene)  # that changed; shared as well
         number = whole(threads, "threads", 0, 1 << 16)
-        self._asked = {"threads": number, "backend": backend}
+        cards = ordinals(devices)
+        self._asked = {"threads": number, "backend": backend, "devices": cards}
         self._band_from_rgb: NDArray[np.float64] | None = None
         weights: list[float] = []
         if band_from_rgb is not None:
@@ -143,8 +147,8 @@ class World:
         lit = None if given is None or arguments is None else given.for_engine(arguments)
         bakes = given is not None and given.bake is not None
         building = share_of(progress, 0, _BUILDING) if bakes else progress
-        chosen = prepare_backend(backend)
-        self._engine = _core.World(scene, number, background, chosen, weights, lit, building)
+        chosen = prepare_backend(backend, cards)
+        self._engine = _core.World(scene, number, background, chosen, cards, weights, lit, building)
         if arguments is not None:
             self._bake(arguments, share_of(progress, _BUILDING, 1))
 
@@ -346,7 +350,7 @@ class World:
 
     @property
     def backend(self) -> str:
-        """What traces the rays, with its version."""
+        """What traces the rays, with its version; of cards the names of all."""
         return self._engine.backend
 
     @property

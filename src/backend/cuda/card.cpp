@@ -2,7 +2,9 @@
 #include "backend/cuda/card.h"
 
 #include <algorithm>
+#include <map>
 #include <mutex>
+#include <tuple>
 
 #include "backend/cuda/compile.h"
 #include "omma/error.h"
@@ -32,11 +34,24 @@ std::string in_megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-// The kernels of a program, for the card's own architecture.
+// The kernels of a program, for the card's own architecture. Cards that are opened at once wait for
+// each other, so that nothing is compiled twice.
+const CompiledKernels& kernels_for(const Card& card, const char* program) {
+  static std::mutex one_at_a_time;
+  static std::map<std::tuple<int, std::string, std::string, std::string>, CompiledKernels> known;
+  const CardLibraries& from = card.libraries;
+  const std::tuple key{card.capability, from.nvrtc, from.kernel_cache, std::string(program)};
+  const std::lock_guard lock(one_at_a_time);
+  auto found = known.find(key);
+  if (found == known.end())
+    found =
+        known.emplace(key, compile_kernels(card.capability, from.nvrtc, from.kernel_cache, program))
+            .first;
+  return found->second;
+}
+
 void load_kernels(Card& card, bool gathers) {
-  const CompiledKernels compiled =
-      compile_kernels(card.capability, card.libraries.nvrtc, card.libraries.kernel_cache,
-                      gathers ? gather_program : render_program);
+  const CompiledKernels& compiled = kernels_for(card, gathers ? gather_program : render_program);
   card.note = compiled.note;
   void* module = nullptr;
   check(card, card.driver.load_module(&module, compiled.cubin.data()), "cuModuleLoadData");
@@ -53,6 +68,27 @@ void load_kernels(Card& card, bool gathers) {
   }
 }
 
+// Of the driver, which has `count` cards.
+Card find_driver(const CardLibraries& from, int& count) {
+  Card card;
+  card.name = "cuda";
+  card.driver = load_driver(from.driver);
+  const DriverFunctions& driver = card.driver;
+  check(card, driver.init(0), "cuInit");
+  check(card, driver.version(&card.cuda_version), "cuDriverGetVersion");
+  check(card, driver.card_count(&count), "cuDeviceGetCount");
+  if (count < 1) throw Error("cuda: expected a card, found a driver without one");
+  return card;
+}
+
+// Makes a driver's card one of its cards.
+void choose(Card& card, int ordinal) {
+  check(card, card.driver.card(&card.device, ordinal), "cuDeviceGet");
+  char name[256] = {};
+  check(card, card.driver.card_name(name, sizeof name - 1, card.device), "cuDeviceGetName");
+  card.name = "cuda:" + std::to_string(ordinal) + " (" + name + ")";
+}
+
 }  // namespace
 
 void set_card_libraries(const CardLibraries& libraries) {
@@ -65,26 +101,28 @@ CardLibraries card_libraries() {
   return given().libraries;
 }
 
-Card find_card(const CardLibraries& from) {
-  Card card;
-  card.name = "cuda";
-  card.driver = load_driver(from.driver);
-  const DriverFunctions& driver = card.driver;
-  check(card, driver.init(0), "cuInit");
+std::vector<std::string> card_names(const CardLibraries& from) {
   int count = 0;
-  check(card, driver.version(&card.cuda_version), "cuDriverGetVersion");
+  const Card driver = find_driver(from, count);
+  std::vector<std::string> names;
+  for (int ordinal = 0; ordinal < count; ++ordinal) {
+    Card card = driver;
+    choose(card, ordinal);
+    names.push_back(card.name);
+  }
+  return names;
+}
+
+Card find_card(const CardLibraries& from, int ordinal) {
+  int count = 0;
+  Card card = find_driver(from, count);
+  choose(card, ordinal);
   if (card.cuda_version < least_version)
-    throw Error("cuda: expected a driver for CUDA 12.0 or newer, found one for CUDA " +
+    throw Error(card.name + ": expected a driver for CUDA 12.0 or newer, found one for CUDA " +
                 std::to_string(card.cuda_version / 1000) + "." +
                 std::to_string(card.cuda_version % 1000 / 10) + "; update NVIDIA's driver");
-  check(card, driver.card_count(&count), "cuDeviceGetCount");
-  if (count < 1) throw Error("cuda: expected a card, found a driver without one");
-  check(card, driver.card(&card.device, 0), "cuDeviceGet");
-  char name[256] = {};
-  check(card, driver.card_name(name, sizeof name - 1, card.device), "cuDeviceGetName");
-  card.name = "cuda:0 (" + std::string(name) + ")";
   const auto ask = [&](int& value, CardAttribute attribute) {
-    check(card, driver.attribute(&value, attribute, card.device), "cuDeviceGetAttribute");
+    check(card, card.driver.attribute(&value, attribute, card.device), "cuDeviceGetAttribute");
   };
   int major = 0, minor = 0;
   ask(major, capability_major);
@@ -97,8 +135,8 @@ Card find_card(const CardLibraries& from) {
   return card;
 }
 
-Card open_card(const CardLibraries& from) {
-  Card card = find_card(from);
+Card open_card(const CardLibraries& from, int ordinal) {
+  Card card = find_card(from, ordinal);
   card.libraries = from;
   check(card, card.driver.retain_context(&card.context, card.device), "cuDevicePrimaryCtxRetain");
   return card;

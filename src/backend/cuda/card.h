@@ -1,9 +1,11 @@
-// A graphics card: its context, kernels and memory, through the driver. One for the process, made
-// when it is first asked for. Calls are one at a time, which the backend sees to.
+// A graphics card: its context, kernels and memory, through the driver. Each is one for the
+// process, made when it is first asked for. Calls of a card are one at a time, which the backend
+// sees to.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "backend/cuda/driver.h"
 #include "physics/views/grid_launch.h"
@@ -46,12 +48,16 @@ struct Card {
   std::size_t thread_memory_bytes = 0;
 };
 
+// Of all cards that the driver has, by their ordinals: "cuda:0 (…)". Throws an Error where there is
+// none.
+std::vector<std::string> card_names(const CardLibraries& libraries);
+
 // Asks the driver alone; what comes before the context is there then. Throws an Error that says why
-// there is no card that can be used.
-Card find_card(const CardLibraries& libraries);
+// the card cannot be used.
+Card find_card(const CardLibraries& libraries, int ordinal);
 
 // Without kernels.
-Card open_card(const CardLibraries& libraries);
+Card open_card(const CardLibraries& libraries, int ordinal);
 
 // Makes the card this thread's. Before anything else of a call.
 void use_card(const Card& card);

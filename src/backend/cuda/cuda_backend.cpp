@@ -1,8 +1,9 @@
-// The host's side of a card: copies what a launch reads and the card does not have yet, runs a
-// kernel, and brings back what it wrote.
+// The host's side of cards: copies what a launch reads and a card does not have yet, runs a kernel,
+// and brings back what it wrote.
 #include "backend/cuda/cuda_backend.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -12,6 +13,7 @@
 #include "backend/copy_arrays.h"
 #include "backend/cuda/card_memory.h"
 #include "backend/cuda/compile.h"
+#include "backend/cuda/share_out.h"
 #include "backend/portable/portable_backend.h"
 #include "backend/portable/portable_tracer.h"
 #include "omma/error.h"
@@ -25,28 +27,62 @@ namespace {
 // all is cancelled.
 constexpr std::int64_t turns_per_launch = 32;
 
-// The card, from when it is first asked for, with what stays on it.
+// A card, from when it is first asked for, with what stays on it.
 struct OpenCard {
+  explicit OpenCard(int ordinal) : card(open_card(libraries, ordinal)) {}
+
   CardLibraries libraries = card_libraries();
-  Card card = open_card(libraries);
+  Card card;
   KeptCopies kept{libraries.checks_copies};
   MirroredMemory read, written;
 };
 
-std::mutex one_at_a_time;
-std::unique_ptr<OpenCard> opened;
+struct CardEntry {
+  std::mutex one_at_a_time;
+  std::unique_ptr<OpenCard> opened;
+};
 
-// The caller holds one_at_a_time. An error stays no error: it is asked again the next time.
-OpenCard& the_card() {
-  if (opened == nullptr) opened = std::make_unique<OpenCard>();
-  use_card(opened->card);
-  return *opened;
+std::mutex entries_mutex;
+std::map<int, CardEntry> entries;  // by ordinal; none goes
+
+CardEntry& entry_of(int ordinal) {
+  const std::lock_guard lock(entries_mutex);
+  return entries[ordinal];
+}
+
+// The caller holds the entry's one_at_a_time. An error stays no error: it is asked again the next
+// time.
+OpenCard& open_at(CardEntry& entry, int ordinal) {
+  if (entry.opened == nullptr) entry.opened = std::make_unique<OpenCard>(ordinal);
+  use_card(entry.opened->card);
+  return *entry.opened;
+}
+
+// Those given, or the first one.
+std::vector<int> cards_of(std::span<const int> devices) {
+  if (devices.empty()) return {0};
+  return {devices.begin(), devices.end()};
+}
+
+void check_devices(std::span<const int> devices) {
+  if (devices.empty()) return;
+  const std::vector<std::string> names = card_names(card_libraries());
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  for (const int device : devices) {
+    if (device < 0 || static_cast<std::size_t>(device) >= names.size())
+      throw Error("devices: expected ordinals below " + std::to_string(names.size()) +
+                  ", as the driver has " + all + "; found " + std::to_string(device));
+    if (std::count(devices.begin(), devices.end(), device) > 1)
+      throw Error("devices: expected each card once, found " + std::to_string(device) + " twice");
+  }
 }
 
 // A launch that is put together.
 class Launch {
  public:
-  explicit Launch(CardKernel kernel) : kernel_(kernel) {}
+  Launch(CardKernel kernel, int ordinal)
+      : entry_(entry_of(ordinal)), open_(open_at(entry_, ordinal)), kernel_(kernel) {}
 
   template <typename View, typename... More>
   const View* view(View copied, const More&... more) {
@@ -108,73 +144,89 @@ class Launch {
     copies_.bring_back();
   }
 
-  std::lock_guard<std::mutex> lock_{one_at_a_time};
-  OpenCard& open_ = the_card();
+  CardEntry& entry_;
+  std::lock_guard<std::mutex> lock_{entry_.one_at_a_time};
+  OpenCard& open_;
   LaunchCopies copies_{open_.card, open_.kept, open_.read, open_.written};
   ArrayCopies<LaunchCopies> arrays_{copies_};
   CardKernel kernel_;
   GridLaunch launch_;
 };
 
-void render_tasks(CardKernel kernel, const FrameView& frame, std::span<const BlockTask> tasks,
-                  const void* tracer) {
-  Launch launch(kernel);
-  launch.search(tracer);
-  launch.render(frame, 1);
-  launch.run_tasks(tasks, most_per_block, frame);
+using BlockTasks = std::span<const BlockTask>;
+using GatherTasks = std::span<const GatherTask>;
+using WeighTasks = std::span<const WeighTask>;
+using Packets = std::span<RayPacket<packet_rays>>;
+
+auto render_on(std::vector<int> cards, CardKernel kernel) {
+  return [cards = std::move(cards), kernel](const FrameView& frame, BlockTasks tasks,
+                                            const void* tracer) {
+    share_out(cards, tasks, [&](int card, BlockTasks piece) {
+      Launch launch(kernel, card);
+      launch.search(tracer);
+      launch.render(frame, 1);
+      launch.run_tasks(piece, most_per_block, frame);
+    });
+  };
 }
 
-Launches launches() {
+Launches launches(std::span<const int> devices) {
+  check_devices(devices);
+  const std::vector<int> cards = cards_of(devices);
   Launches all;
-  all.render = [](const FrameView& frame, std::span<const BlockTask> tasks, const void* tracer) {
-    render_tasks(CardKernel::render, frame, tasks, tracer);
+  all.render = render_on(cards, CardKernel::render);
+  all.discs = render_on(cards, CardKernel::discs);
+  all.gather = [cards](const FrameView& frame, GatherTasks tasks, const void* tracer) {
+    share_out(cards, tasks, [&](int card, GatherTasks piece) {
+      Launch launch(CardKernel::gather, card);
+      launch.search(tracer);
+      launch.render(frame, packet_rays);
+      launch.run_tasks(piece, 1, frame.scene->bands);
+    });
   };
-  all.discs = [](const FrameView& frame, std::span<const BlockTask> tasks, const void* tracer) {
-    render_tasks(CardKernel::discs, frame, tasks, tracer);
+  all.weigh = [cards](const SharedWeights& shared, int outputs, WeighTasks tasks) {
+    share_out(cards, tasks, [&](int card, WeighTasks piece) {
+      Launch launch(CardKernel::weigh, card);
+      launch.weigh(shared, outputs);
+      launch.run_tasks(piece, std::max<std::int64_t>(1, shared.ommatidium_count), shared, outputs);
+    });
   };
-  all.gather = [](const FrameView& frame, std::span<const GatherTask> tasks, const void* tracer) {
-    Launch launch(CardKernel::gather);
-    launch.search(tracer);
-    launch.render(frame, packet_rays);
-    launch.run_tasks(tasks, 1, frame.scene->bands);
-  };
-  all.weigh = [](const SharedWeights& shared, int outputs, std::span<const WeighTask> tasks) {
-    Launch launch(CardKernel::weigh);
-    launch.weigh(shared, outputs);
-    launch.run_tasks(tasks, std::max<std::int64_t>(1, shared.ommatidium_count), shared, outputs);
-  };
-  all.closest = [](std::span<RayPacket<packet_rays>> packets, const void* tracer) {
-    Launch launch(CardKernel::closest);
-    launch.search(tracer);
-    launch.run_packets(packets);
+  all.closest = [cards](Packets packets, const void* tracer) {
+    share_out(cards, packets, [&](int card, Packets piece) {
+      Launch launch(CardKernel::closest, card);
+      launch.search(tracer);
+      launch.run_packets(piece);
+    });
   };
   return all;
 }
 
-Acceleration build(const Scene& scene, const SceneView& view, const Placement& placement,
-                   WorkState* work) {
-  std::string name;
-  {
-    const std::lock_guard lock(one_at_a_time);
-    Card& card = the_card().card;
+// Opens them, with the kernels that render; their names and notes.
+std::vector<std::pair<std::string, std::string>> open_cards(std::span<const int> devices) {
+  std::vector<std::pair<std::string, std::string>> opened;
+  for (const int ordinal : cards_of(devices)) {
+    CardEntry& entry = entry_of(ordinal);
+    const std::lock_guard lock(entry.one_at_a_time);
+    Card& card = open_at(entry, ordinal).card;
     load_kernel(card, CardKernel::render);
-    name = card.name;
+    opened.emplace_back(card.name, card.note);
   }
-  return {portable_backend().build(scene, view, placement, work).tracer, name};
+  return opened;
 }
 
-}  // namespace
-
-Backend cuda_backend() {
-  return {"cuda", build, portable_backend().move, launches};
+Acceleration build(const Scene& scene, const SceneView& view, const Placement& placement,
+                   std::span<const int> devices, WorkState* work) {
+  std::string name;
+  for (const auto& [of_card, note] : open_cards(devices))
+    name += (name.empty() ? "" : ", ") + of_card;
+  return {portable_backend().build(scene, view, placement, {}, work).tracer, name,
+          cards_of(devices)};
 }
 
-CardState card_state() {
-  CardState state;
+CardState state_of(const CardLibraries& libraries, int ordinal, const std::string& name) {
+  CardState state{name, {}, {}};
   try {
-    const CardLibraries libraries = card_libraries();
-    const Card card = find_card(libraries);
-    state.name = card.name;
+    const Card card = find_card(libraries, ordinal);
     state.driver = std::to_string(card.cuda_version / 1000) + "." +
                    std::to_string(card.cuda_version % 1000 / 10);
     (void)compile_options(Nvrtc(libraries.nvrtc), card.capability);
@@ -184,54 +236,83 @@ CardState card_state() {
   return state;
 }
 
-std::string card_note() {
-  const std::lock_guard lock(one_at_a_time);
-  Card& card = the_card().card;
-  load_kernel(card, CardKernel::render);
-  return card.note;
+// Calls work(open card) while nothing else is asked of it.
+template <typename Work>
+auto with_card(int ordinal, const Work& work) {
+  CardEntry& entry = entry_of(ordinal);
+  const std::lock_guard lock(entry.one_at_a_time);
+  return work(open_at(entry, ordinal));
 }
 
-CardPointer allocate_on_card(std::size_t bytes) {
-  const std::lock_guard lock(one_at_a_time);
-  OpenCard& open = the_card();
-  open.kept.begin_launch();  // of the last one nothing is needed any more
-  return allocate(open.card, open.kept, std::max<std::size_t>(bytes, 1));
+}  // namespace
+
+Backend cuda_backend() {
+  return {"cuda", build, portable_backend().move, launches};
 }
 
-void free_on_card(CardPointer at) {
-  const std::lock_guard lock(one_at_a_time);
-  free_memory(the_card().card, at);
+std::vector<CardState> card_states() {
+  const CardLibraries libraries = card_libraries();
+  std::vector<CardState> states;
+  try {
+    for (const std::string& name : card_names(libraries))
+      states.push_back(state_of(libraries, static_cast<int>(states.size()), name));
+  } catch (const Error& error) {
+    states.assign(1, {"", "", error.what()});
+  }
+  return states;
 }
 
-void read_from_card(void* to, CardPointer from, std::size_t bytes) {
-  const std::lock_guard lock(one_at_a_time);
-  copy_from_card(the_card().card, to, from, bytes);
+std::string card_note(std::span<const int> devices) {
+  check_devices(devices);
+  for (const auto& [name, note] : open_cards(devices))
+    if (!note.empty()) return note;
+  return {};
 }
 
-void write_to_card(CardPointer to, const void* from, std::size_t bytes) {
-  const std::lock_guard lock(one_at_a_time);
-  copy_to_card(the_card().card, to, from, bytes);
+CardPointer allocate_on_card(int card, std::size_t bytes) {
+  check_devices({&card, 1});
+  return with_card(card, [&](OpenCard& open) {
+    open.kept.begin_launch();  // of the last one nothing is needed any more
+    return allocate(open.card, open.kept, std::max<std::size_t>(bytes, 1));
+  });
 }
 
-void wait_for_card() {
-  const std::lock_guard lock(one_at_a_time);
-  wait_for(the_card().card);
+void free_on_card(int card, CardPointer at) {
+  with_card(card, [&](OpenCard& open) { free_memory(open.card, at); });
 }
 
-void check_on_card(CardPointer at) {
-  const std::lock_guard lock(one_at_a_time);
-  const Card& card = the_card().card;
-  int ordinal = 0;
-  const int result = card.driver.pointer_attribute(&ordinal, pointer_ordinal, at);
-  if (result != 0 || ordinal != 0)
-    throw Error(
-        "expected an array on " + card.name + ", found one " +
-        (result != 0 ? "that the driver does not know" : "on cuda:" + std::to_string(ordinal)));
+void read_from_card(int card, void* to, CardPointer from, std::size_t bytes) {
+  with_card(card, [&](OpenCard& open) {
+    wait_for(open.card);
+    copy_from_card(open.card, to, from, bytes);
+  });
+}
+
+void write_to_card(int card, CardPointer to, const void* from, std::size_t bytes) {
+  with_card(card, [&](OpenCard& open) { copy_to_card(open.card, to, from, bytes); });
+}
+
+void wait_for_card(int card) {
+  with_card(card, [&](OpenCard& open) { wait_for(open.card); });
+}
+
+int card_of(CardPointer at) {
+  return with_card(0, [&](OpenCard& open) {
+    int ordinal = 0;
+    if (open.card.driver.pointer_attribute(&ordinal, pointer_ordinal, at) != 0)
+      throw Error("expected an array on a card, found one that the driver does not know");
+    return ordinal;
+  });
 }
 
 std::size_t take_kept_bytes() {
-  const std::lock_guard lock(one_at_a_time);
-  return opened != nullptr ? std::exchange(opened->kept.copied, 0) : 0;
+  std::size_t bytes = 0;
+  const std::lock_guard lock(entries_mutex);
+  for (auto& [ordinal, entry] : entries) {
+    const std::lock_guard of_entry(entry.one_at_a_time);
+    if (entry.opened != nullptr) bytes += std::exchange(entry.opened->kept.copied, 0);
+  }
+  return bytes;
 }
 
 }  // namespace omma

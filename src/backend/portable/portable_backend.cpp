@@ -9,7 +9,7 @@ namespace omma {
 namespace {
 
 Acceleration build(const Scene& scene, const SceneView& view, const Placement& placement,
-                   WorkState* work) {
+                   std::span<const int>, WorkState* work) {
   std::shared_ptr<PortableTracer> tracer = make_portable_tracer(scene, view, placement, work);
   return {tracer, tracer->name};
 }
@@ -20,7 +20,8 @@ void move(Acceleration& acceleration, std::span<const int> instances, std::span<
                  placement);
 }
 
-Launches launches() {
+Launches launches(std::span<const int> devices) {
+  expect_no_devices("portable", devices);
   return launch_on_threads(portable_block_functions());
 }
 

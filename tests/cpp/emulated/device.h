@@ -10,10 +10,12 @@
 
 namespace omma::test {
 
-// The card's memory is shared with the process that runs its threads, at the same address in both,
-// far from what systems map by themselves. Of it what is touched is had.
-inline constexpr std::uintptr_t device_address = 0x6000'0000'0000;
+// A card's memory is shared with the process that runs its threads, at the same address in both,
+// far from what systems map by themselves, each card's elsewhere. Of it what is touched is had.
 inline constexpr std::size_t device_bytes = std::size_t{1} << 34;
+constexpr std::uintptr_t device_address(int ordinal) {
+  return 0x6000'0000'0000 + static_cast<std::uintptr_t>(ordinal) * device_bytes;
+}
 
 struct DeviceCall {
   CardKernel kernel;

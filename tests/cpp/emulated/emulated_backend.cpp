@@ -32,9 +32,9 @@ Backend emulated_backend() {
                         .kernel_cache = "",
                         .checks_copies = true});
   const auto build = [](const Scene& scene, const SceneView& view, const Placement& placement,
-                        WorkState* work) {
-    const Acceleration built = cuda_backend().build(scene, view, placement, work);
-    return Acceleration{built.tracer, "emulated, " + built.name};
+                        std::span<const int> devices, WorkState* work) {
+    const Acceleration built = cuda_backend().build(scene, view, placement, devices, work);
+    return Acceleration{built.tracer, "emulated, " + built.name, built.cards};
   };
   return {"emulated", build, cuda_backend().move, cuda_backend().launches};
 }
@@ -44,8 +44,8 @@ DeviceUse take_device_use() {
   return in_driver<decltype(emulated_take_use)>("emulated_take_use")();
 }
 
-void make_driver_fail(const char* call, int error, int times) {
-  in_driver<decltype(emulated_fail)>("emulated_fail")(call, error, times);
+void make_driver_fail(const char* call, int error, int times, int card) {
+  in_driver<decltype(emulated_fail)>("emulated_fail")(call, error, times, card);
 }
 
 }  // namespace omma::test
