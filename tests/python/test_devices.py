@@ -125,6 +125,7 @@ def test_the_command_line_takes_several_cards(tmp_path):
 
 @with_stand_in
 def test_a_data_set_goes_on_with_other_cards_of_the_kind(tmp_path):
+    pytest.importorskip("zarr")
     for cards in ("[0, 1]", "[1]", "[2]"):
         rendering = f'backend = "cuda"\ndevices = {cards}'
         job = write_job(tmp_path / "of", rendering=rendering)
