@@ -73,7 +73,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="few rays and poses, timed once")
     quick = parser.parse_args().quick
-    card = devices()[-1]
+    card = devices()[1]
     if card.why_not:
         raise SystemExit(f"no card: {card.why_not}")
     scene = omma.load_scene(omma.examples.meadow())

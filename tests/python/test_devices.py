@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from dataset_jobs import write_job
 
 import omma
 from omma.scene import devices
@@ -120,6 +121,18 @@ def test_the_command_line_takes_several_cards(tmp_path):
     done = run(*by_card, "--device", "2", "-o", again, cards=2, cache=tmp_path)
     assert done.returncode != 0
     assert "--device: expected ordinals below 2" in done.stderr
+
+
+@with_stand_in
+def test_a_data_set_goes_on_with_other_cards_of_the_kind(tmp_path):
+    pytest.importorskip("zarr")
+    for cards in ("[0, 1]", "[1]", "[2]"):
+        rendering = f'backend = "cuda"\ndevices = {cards}'
+        job = write_job(tmp_path / "of", rendering=rendering)
+        done = run("-m", "omma", "dataset", "run", job, cards=2, cache=tmp_path)
+        assert (done.returncode == 0) == (cards != "[2]"), done.stderr
+    assert "devices: expected ordinals below 2" in done.stderr
+    assert omma.datasets.verify(tmp_path / "of/job.zarr").damaged == ()
 
 
 def test_kinds_of_cards_are_what_counts():
