@@ -144,6 +144,12 @@ def examples(files, tmp_path_factory):
         "motion.LoomingCells": omma.motion.looming_cells(angles, [[0, 0, -1]]),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
+        "rendering.CubeFaces": omma.rendering.CubeFaces(8),
+        "rendering.Equirectangular": omma.rendering.Equirectangular(9, 18),
+        "rendering.Fisheye": omma.rendering.Fisheye(16, 16, 170, "equisolid"),
+        "rendering.PanoramaView": omma.rendering.PanoramaView(
+            eye, omma.rendering.Equirectangular(9, 18)
+        ),
         "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
         "rendering.UltravioletDependence": omma.rendering.UltravioletDependence(
             ("grass",),
@@ -209,7 +215,7 @@ def examples(files, tmp_path_factory):
 # A world and what renders it are there once, as are filters with a state; an exception is what
 # Python makes of it.
 BY_IDENTITY = {
-    "World", "Renderer", "Error", "gym.Loop",
+    "World", "Renderer", "Error", "gym.Loop", "rendering.PanoramaView",
     "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
 }  # fmt: skip
 UNHASHABLE = {

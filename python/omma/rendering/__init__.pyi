@@ -1,5 +1,7 @@
 from .agents import render_agents
 from .card_array import CardArray
+from .panoramas import PanoramaView, see_panorama
+from .picture_layouts import CubeFaces, Equirectangular, Fisheye
 from .read_back import load_responses
 from .report import SamplingReport
 from .settings import Settings
@@ -8,11 +10,16 @@ from .ultraviolet import UltravioletDependence, ultraviolet_dependence
 
 __all__ = [
     "CardArray",
+    "CubeFaces",
+    "Equirectangular",
+    "Fisheye",
     "GroundTruth",
+    "PanoramaView",
     "SamplingReport",
     "Settings",
     "UltravioletDependence",
     "load_responses",
     "render_agents",
+    "see_panorama",
     "ultraviolet_dependence",
 ]

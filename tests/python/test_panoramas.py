@@ -1,0 +1,189 @@
+"""Pictures all around, seen without rays: gratings against the modulation transfer of every
+acceptance, layouts against each other and against rays, seams, poles and rims."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import omma
+from omma import Acceptance, Eye
+from omma.rendering import CubeFaces, Equirectangular, Fisheye, PanoramaView, see_panorama
+
+WIDTH = np.radians(4.0)
+KINDS = {
+    "gaussian": Acceptance.gaussian(WIDTH),
+    "elongated": Acceptance.gaussian(WIDTH, WIDTH / 2, np.radians(30)),
+    "pillbox": Acceptance.pillbox(WIDTH),
+    "airy": Acceptance.airy(20e-6, 500),
+    "lens_rhabdom": Acceptance.lens_rhabdom(25e-6, 60e-6, 2e-6, 500),
+    "table": Acceptance.table(np.radians([0, 1, 2, 3, 4]), [1.0, 0.7, 0.3, 0.1, 0.0]),
+}
+LAYOUTS = [
+    Equirectangular(180, 360),
+    CubeFaces(90),
+    Fisheye(240, 240, 360),
+    Fisheye(300, 320, 180, "orthographic"),
+    Fisheye(200, 200, 200, "equisolid"),
+    Fisheye(300, 320, 200, "stereographic", circle_px=280),
+]
+
+
+def eye_of(axes, acceptance=None, width_rad=WIDTH):
+    axes = np.asarray(axes, float).reshape(-1, 3)
+    if acceptance is not None:
+        return Eye(np.zeros_like(axes), axes, acceptance=acceptance)
+    return Eye(np.zeros_like(axes), axes, width_rad)
+
+
+def ahead(azimuths_deg):
+    angles = np.radians(azimuths_deg)
+    return np.stack([np.sin(angles), np.zeros_like(angles), -np.cos(angles)], axis=-1)
+
+
+def smooth(directions):
+    """Radiance (..., 2) that changes little within a pixel."""
+    x, y, z = np.moveaxis(directions, -1, 0)
+    return np.stack([1 + 0.3 * x + 0.5 * y * z, 2 + np.sin(3 * z) + 0.2 * x * y], axis=-1)
+
+
+def picture_of(layout):
+    directions, _ = layout.at(*layout.pixels)
+    return smooth(directions).reshape(*layout.shape, 2)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_gratings_lose_what_the_modulation_transfer_says(name):
+    """Vertical stripes along the horizon, within what a sphere is no plane: of Airy's pattern 2 %
+    lie beyond 10 degrees."""
+    cycles = 40
+    columns = 1440
+    azimuth = 2 * np.pi * ((np.arange(columns) + 0.5) / columns - 0.5)
+    picture = np.broadcast_to(
+        (1 + np.cos(cycles * azimuth))[None, :, None], (columns // 2, columns, 1)
+    )
+    phases = np.array([0.0, 360 / cycles / 2])
+    seen = see_panorama(picture, eye_of(ahead(phases), KINDS[name]))[:, 0]
+    # To the right is an azimuth of 90 degrees. Pixels themselves lose sinc(cycles / columns).
+    expected = KINDS[name].mtf(cycles / (2 * np.pi), np.pi / 2) * np.sinc(cycles / columns)
+    assert (seen[0] - seen[1]) / 2 == pytest.approx(
+        expected, abs=0.002 if name == "airy" else 0.001
+    )
+    assert (seen[0] + seen[1]) / 2 == pytest.approx(1, abs=0.002)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=repr)
+def test_each_layout_shows_the_same(layout):
+    eye = omma.eye.generate_eye(100)
+    view = PanoramaView(eye, layout)
+    seen = view.see(picture_of(layout))
+    shown = view.coverage > 0.999
+    assert shown.sum() > 20
+    fine = Equirectangular(360, 720)
+    expected = PanoramaView(eye, fine).see(picture_of(fine))
+    # A pixel of 1.5 degrees has the radiance of its middle: by h² / 24 times a second derivative
+    # of at most 9 another than its mean.
+    assert np.abs(seen - expected)[shown].max() < 1e-3
+    # All of the sphere, or the share of it within the rim.
+    _, solid_angle = layout.at(*layout.pixels)
+    rim = np.radians(layout.field_deg / 2) if isinstance(layout, Fisheye) else np.pi
+    assert solid_angle.sum() == pytest.approx(2 * np.pi * (1 - np.cos(rim)), rel=0.01)
+
+
+def test_a_uniform_picture_has_its_radiance_everywhere():
+    eye = omma.eye.generate_eye(500)
+    assert np.abs(see_panorama(np.full((90, 180, 4), 3.0), eye) - 3).max() < 1e-4
+
+
+def test_the_same_as_many_rays():
+    eye = omma.eye.generate_eye(50)
+    layout = Equirectangular(180, 360)
+    picture = np.concatenate([picture_of(layout), np.ones((180, 360, 1))], axis=-1)
+    nothing = omma.scene.box((1e-6, 1e-6, 1e-6), center_m=(0, -50, 0))
+    world = omma.World(nothing, background=omma.Background.image(picture.astype(np.float32)))
+    rays = omma.Renderer(world, eye, omma.Fixed(4096), footprints=False).render(np.eye(4))[0]
+    assert np.abs(see_panorama(picture, eye) - rays).max() < 2e-3
+
+
+def test_turning_the_head_is_turning_the_picture():
+    """Over the seam behind, and at the poles."""
+    rng = np.random.default_rng(1)
+    picture = rng.random((60, 120, 3))
+    eye = eye_of([[0, 1, 0.01], [0, -1, 0.01], [0, 0, 1], [0.1, 0.2, 1], [1, 0, 0]])
+    turned = omma.poses_from_angles([[0, 0, 0]], [[90, 0, 0]])[0]  # to the right
+    by_head = see_panorama(picture, eye, turned)
+    by_picture = see_panorama(np.roll(picture, -30, axis=1), eye)
+    assert np.abs(by_head - by_picture).max() < 1e-5
+    assert np.abs(by_head - see_panorama(picture, eye)).max() > 0.01
+    assert np.array_equal(see_panorama(picture, eye, turned[:3, :3]), by_head)
+
+
+def test_an_edge_is_half_of_each_side():
+    picture = np.zeros((180, 360, 1))
+    picture[:, 180:] = 1
+    for acceptance in KINDS.values():
+        assert see_panorama(picture, eye_of(ahead([0.0]), acceptance))[0, 0] == pytest.approx(
+            0.5, abs=1e-3
+        )
+
+
+def test_without_width_it_is_the_pixel_at_the_axis():
+    rng = np.random.default_rng(2)
+    picture = rng.random((18, 36, 1))
+    eye = eye_of(ahead([5.0, 95.0]), width_rad=0.0)
+    assert see_panorama(picture, eye)[:, 0] == pytest.approx(
+        [picture[9, 18, 0], picture[9, 27, 0]], rel=1e-6
+    )
+
+
+def test_beyond_the_rim_nothing_is_made_up():
+    eye = eye_of(ahead([0, 88, 90, 92, 180]))
+    layout = Fisheye(180, 180)
+    view = PanoramaView(eye, layout)
+    seen = view.see(np.ones((180, 180, 1)))[:, 0]
+    assert view.coverage == pytest.approx([1, 0.88, 0.5, 0.12, 0], abs=0.02)
+    assert np.isnan(seen[3:]).all()
+    assert seen[:2] == pytest.approx(1)
+    all_or_none = PanoramaView(eye, layout, allow_missing=0.01)
+    assert np.isnan(all_or_none.see(np.ones((180, 180, 1)))[1:]).all()
+    with pytest.raises(omma.Error, match="it shows at most 0% of what"):
+        PanoramaView(eye_of(ahead([180.0])), layout)
+
+
+def test_pictures_of_files_are_srgb_and_linear(tmp_path):
+    bright = np.full((20, 40, 3), 0.5, np.float32)
+    eye = eye_of(ahead([0.0]))
+    grey = np.full((20, 40, 3), 188, np.uint8)  # 0.5029 of linear white
+    assert see_panorama(grey, eye)[0] == pytest.approx([0.5029] * 3, abs=1e-4)
+    assert see_panorama(bright, eye)[0] == pytest.approx([0.5] * 3)
+    Image.fromarray(grey).save(tmp_path / "grey.png")
+    assert np.array_equal(see_panorama(tmp_path / "grey.png", eye), see_panorama(grey, eye))
+
+
+def test_a_film_is_seen_picture_by_picture():
+    rng = np.random.default_rng(3)
+    film = rng.random((5, 30, 60, 3)).astype(np.float32)
+    eye = omma.eye.generate_eye(50)
+    view = PanoramaView(eye, Equirectangular(30, 60))
+    together = view.see(film)
+    assert together.shape == (5, 50, 3)
+    assert np.array_equal(np.stack(list(view.see_each(film))), together)
+    assert np.allclose(view.weights @ film[2].reshape(-1, 3), together[2], atol=1e-6)
+
+
+def test_bad_pictures_are_refused():
+    eye = omma.eye.generate_eye(20)
+    view = PanoramaView(eye, CubeFaces(8))
+    with pytest.raises(omma.Error, match=r"pictures: expected shape \(..., 6, 8, 8, bands\)"):
+        view.see(np.ones((8, 8, 3)))
+    with pytest.raises(omma.Error, match="picture: expected shape"):
+        see_panorama(np.ones((8, 8)), eye)
+    with pytest.raises(omma.Error, match=r"none\.png"):
+        see_panorama("none.png", eye)
+    with pytest.raises(omma.Error, match="world_from_head: expected a rotation"):
+        PanoramaView(eye, CubeFaces(8), 2 * np.eye(3))
+    with pytest.raises(omma.Error, match="field_deg: expected 1 to 180"):
+        Fisheye(8, 8, 200, "orthographic")
+    with pytest.raises(omma.Error, match="lens: expected one of"):
+        Fisheye(8, 8, lens="round")
+    with pytest.raises(omma.Error, match="height: expected 1 to"):
+        Equirectangular(0, 8)
