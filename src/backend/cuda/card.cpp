@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <mutex>
 
-#include "backend/cuda/compile.h"
 #include "omma/error.h"
 #include "physics/rays/replicates.h"
 
@@ -35,8 +34,7 @@ std::string in_megabytes(std::size_t bytes) {
 // The kernels of a program, for the card's own architecture.
 void load_kernels(Card& card, bool gathers) {
   const CompiledKernels compiled =
-      compile_kernels(card.capability, card.libraries.nvrtc, card.libraries.kernel_cache,
-                      gathers ? gather_program : render_program);
+      compile_kernels(kernels_for(card), gathers ? gather_program : render_program);
   card.note = compiled.note;
   void* module = nullptr;
   check(card, card.driver.load_module(&module, compiled.cubin.data()), "cuModuleLoadData");
@@ -67,6 +65,7 @@ CardLibraries card_libraries() {
 
 Card find_card(const CardLibraries& from) {
   Card card;
+  card.libraries = from;
   card.name = "cuda";
   card.driver = load_driver(from.driver);
   const DriverFunctions& driver = card.driver;
@@ -97,9 +96,14 @@ Card find_card(const CardLibraries& from) {
   return card;
 }
 
+KernelRequest kernels_for(const Card& card) {
+  const CardLibraries& from = card.libraries;
+  return {card.capability, from.nvrtc, from.kernel_cache, from.packaged_kernels,
+          card.cuda_version / 1000};
+}
+
 Card open_card(const CardLibraries& from) {
   Card card = find_card(from);
-  card.libraries = from;
   check(card, card.driver.retain_context(&card.context, card.device), "cuDevicePrimaryCtxRetain");
   return card;
 }

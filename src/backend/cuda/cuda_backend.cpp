@@ -177,7 +177,9 @@ CardState card_state() {
     state.name = card.name;
     state.driver = std::to_string(card.cuda_version / 1000) + "." +
                    std::to_string(card.cuda_version % 1000 / 10);
-    (void)compile_options(Nvrtc(libraries.nvrtc), card.capability);
+    const KernelRequest wanted = kernels_for(card);
+    if (!packaged_kernels(wanted, render_program) || !packaged_kernels(wanted, gather_program))
+      (void)compile_options(Nvrtc(wanted.nvrtc), wanted.capability);
   } catch (const Error& error) {
     state.why_not = error.what();
   }
