@@ -21,10 +21,10 @@ constexpr std::string_view magic = "omma kernels 1\n";
 constexpr std::size_t digits = 16;
 
 // Nothing is fused and denormals are zeros, as on processors (backend/denormals.h). Lambdas are a
-// card's without being marked, which NVRTC 12 does not know by itself.
+// card's without being marked, which NVRTC 12 does not know by itself. On one thread: NVRTC 13.5
+// crashes where --split-compile is cancelled.
 constexpr const char* common_options[] = {"-std=c++20", "--fmad=false", "--ftz=true",
                                           "-default-device"};
-constexpr const char* on_all_threads = "--split-compile=0";
 
 std::atomic<int> compiling = 0;
 
@@ -43,7 +43,6 @@ std::string name_of(const char* program) {
   const auto add = [&](std::string_view text) { all.append(text).push_back('\0'); };
   add(program);
   for (const char* option : common_options) add(option);
-  add(on_all_threads);
   for (const KernelSource& source : kernel_sources()) {
     add(source.name);
     add(source.text);
@@ -134,13 +133,13 @@ CompiledKernels compile_kernels(const KernelRequest& request, const char* progra
   const std::string path = (std::filesystem::path(request.cache) / name).string();
   if (!request.cache.empty())
     if (std::optional<std::string> kept = read_kept(path)) return {std::move(*kept), {}};
-  std::vector<std::string> options = compile_options(nvrtc, request.capability);
-  options.push_back(on_all_threads);
   const struct Counted {
     Counted() { ++compiling; }
     ~Counted() { --compiling; }
   } counted;
-  CompiledKernels compiled{nvrtc.compile(kernel_sources(), program, options).cubin, {}};
+  CompiledKernels compiled{
+      nvrtc.compile(kernel_sources(), program, compile_options(nvrtc, request.capability)).cubin,
+      {}};
   if (request.cache.empty()) return compiled;
   try {
     keep(request.cache, path, compiled.cubin);

@@ -24,7 +24,8 @@ struct CompiledKernels {
 };
 
 // A program that came with Omma or is kept, else compiled. Throws omma::Error where it is to be
-// compiled and there is no NVRTC, it does not know the card, or it fails; omma::Cancelled.
+// compiled and there is no NVRTC, it does not know the card, or it fails; omma::Cancelled, when
+// NVRTC asks next, half a minute later at most.
 CompiledKernels compile_kernels(const KernelRequest& request, const char* program = render_program);
 
 // That came with Omma, of the same sources, for the latest architecture that runs on the card;
@@ -34,8 +35,8 @@ std::optional<std::string> packaged_kernels(const KernelRequest& request, const 
 // Whether a thread of this process is compiling kernels now, which takes a minute.
 bool compiling_kernels();
 
-// The options that kernels for a card are compiled with, but for that of threads, with which code
-// differs a little. Throws omma::Error where NVRTC knows no architecture that runs on it.
+// The options that kernels for a card are compiled with. Throws omma::Error where NVRTC knows no
+// architecture that runs on it.
 std::vector<std::string> compile_options(const Nvrtc& nvrtc, int capability);
 
 }  // namespace omma
