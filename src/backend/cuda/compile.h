@@ -25,7 +25,7 @@ struct CompiledKernels {
 
 // A program that came with Omma or is kept, else compiled. Throws omma::Error where it is to be
 // compiled and there is no NVRTC, it does not know the card, or it fails; omma::Cancelled, when
-// NVRTC asks next, half a minute later at most.
+// NVRTC asks next, which may take half a minute.
 CompiledKernels compile_kernels(const KernelRequest& request, const char* program = render_program);
 
 // That came with Omma, of the same sources, for the latest architecture that runs on the card;
