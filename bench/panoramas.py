@@ -1,5 +1,5 @@
-"""A honeybee before panoramas: frames per second as a sparse matrix, and as rays of the same run with
-the error that they have.
+"""A honeybee before panoramas: frames per second as a sparse matrix, and as rays, in the same run,
+with the error that they have.
 
     python bench/panoramas.py
 """

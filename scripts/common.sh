@@ -16,6 +16,10 @@ build_packages=(g++ cmake ninja-build libembree-dev libtbb-dev libpng-dev libjpe
                 libopenexr-dev libmeshoptimizer-dev libdraco-dev nlohmann-json3-dev
                 libnanoflann-dev python3-dev python3-venv)
 
+# Compute capabilities of cards that kernels are compiled for where no card is.
+# shellcheck disable=SC2034
+capabilities=(75 80 86 89 90 100 120)
+
 # The second build of the same source is quick where there is a compiler cache.
 if command -v ccache > /dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER="${CMAKE_CXX_COMPILER_LAUNCHER:-ccache}"

@@ -1425,7 +1425,7 @@ class UnfinishedBake:
 
 def bake_light(world: World, cell_m: float, paths: int, most_bytes: int, seed: int, progress: Callable[[float], object] | None, unfinished: UnfinishedBake | None = None) -> BakedLight: ...
 
-def bake_cost(world: World, cell_m: float, paths: int, most_bytes: int) -> tuple[int, int, int, float]: ...
+def bake_cost(world: World, cell_m: float, paths: int, most_bytes: int, progress: Callable[[float], object] | None) -> tuple[int, int, int, float]: ...
 
 class Eye:
     """
@@ -1603,9 +1603,9 @@ def eye_file_heads(path: str | os.PathLike[str]) -> list[str]: ...
 def backends() -> list[str]:
     """Names of what can trace rays in this build."""
 
-def use_card_libraries(nvrtc: str, kernel_cache: str) -> None:
+def use_card_libraries(nvrtc: str, kernel_cache: str, packaged: str) -> None:
     """
-    Where the compiler of kernels is, "" for where the system has it, and where they are kept.
+    Where the compiler of kernels is, "" for where the system has it, where they are kept, and where those are that came with Omma.
     """
 
 def card_states() -> list[tuple[str, str, str]]:
@@ -1613,8 +1613,18 @@ def card_states() -> list[tuple[str, str, str]]:
     Of each card its name, the CUDA that its driver is for, and why it cannot be used; "" for none.
     """
 
-def card_note(devices: Sequence[int]) -> str:
-    """What is to be known of cards' kernels, or "". Compiles them."""
+def card_note(devices: Sequence[int], progress: Callable[[float], object] | None) -> str:
+    """
+    What is to be known of cards' kernels, or "". Compiles them; how far that is nobody knows.
+    """
+
+def compiling_kernels() -> bool:
+    """Whether a thread of this process is compiling kernels of a card now."""
+
+def compile_kernels(capability: int, nvrtc: str, folder: str) -> None:
+    """
+    Compiles all kernels for cards of a compute capability, 90 for 9.0, into a folder, which is made where it is not there; no card is needed.
+    """
 
 class CardSpan:
     """float32 in a card's memory, for the engine to write into."""

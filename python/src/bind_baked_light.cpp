@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "model/long_work.h"
 #include "omma/bake.h"
 #include "omma/error.h"
 #include "omma/world.h"
@@ -246,14 +247,20 @@ void bind_baked_light(nb::module_& m) {
               "UnfinishedBake | None = None) -> BakedLight"));
   m.def(
       "bake_cost",
-      [](const World& world, double cell_m, int paths, std::size_t most_bytes) {
-        const BakeCost cost =
-            run_long([&] { return bake_cost(world, {cell_m, paths, most_bytes, 0}); });
+      [](const World& world, double cell_m, int paths, std::size_t most_bytes,
+         const nb::object& progress) {
+        BakeCost cost;
+        run_with_progress(progress, [&](const Progress& told) {
+          run_watched(told, [&](WorkState&) {
+            cost = bake_cost(world, {cell_m, paths, most_bytes, 0});
+          });
+        });
         return nb::make_tuple(cost.cells, cost.by_probes, cost.bytes, cost.seconds);
       },
       nb::arg("world"), nb::arg("cell_m"), nb::arg("paths"), nb::arg("most_bytes"),
-      nb::sig("def bake_cost(world: World, cell_m: float, paths: int, most_bytes: int) -> "
-              "tuple[int, int, int, float]"));
+      nb::arg("progress").none(),
+      nb::sig("def bake_cost(world: World, cell_m: float, paths: int, most_bytes: int, progress: "
+              "collections.abc.Callable[[float], object] | None) -> tuple[int, int, int, float]"));
 }
 
 }  // namespace omma::python

@@ -1,4 +1,4 @@
-// Binds what is asked of graphics cards before a world is built for them.
+// Binds what is asked of graphics cards before a world is built for them, and of their kernels.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
@@ -11,6 +11,8 @@
 #include "backend/cuda/card.h"
 #include "backend/cuda/cuda_backend.h"
 #include "card_places.h"
+#include "model/long_work.h"
+#include "omma/error.h"
 #include "progress.h"
 
 namespace omma::python {
@@ -98,15 +100,17 @@ void bind_card(nb::module_& m) {
       "Names of what can trace rays in this build.");
   m.def(
       "use_card_libraries",
-      [](const std::string& nvrtc, const std::string& kernel_cache) {
+      [](const std::string& nvrtc, const std::string& kernel_cache, const std::string& packaged) {
         CardLibraries libraries = card_libraries();
         libraries.nvrtc = nvrtc;
         libraries.kernel_cache = kernel_cache;
+        libraries.packaged_kernels = packaged;
         set_card_libraries(libraries);
       },
-      nb::arg("nvrtc"), nb::arg("kernel_cache"),
-      "Where the compiler of kernels is, \"\" for where the system has it, and where they are "
-      "kept.");
+      nb::arg("nvrtc"), nb::arg("kernel_cache"), nb::arg("packaged"),
+      "Where the compiler of kernels is, \"\" for where the system has it, where they are kept, "
+      "and "
+      "where those are that came with Omma.");
   m.def(
       "card_states",
       [] {
@@ -119,8 +123,33 @@ void bind_card(nb::module_& m) {
       "none.");
   m.def(
       "card_note",
-      [](const std::vector<int>& devices) { return run_long([&] { return card_note(devices); }); },
-      nb::arg("devices"), "What is to be known of cards' kernels, or \"\". Compiles them.");
+      [](const std::vector<int>& devices, const nb::object& progress) {
+        std::string note;
+        run_with_progress(progress, [&](const Progress& told) {
+          run_watched(told, [&](WorkState&) { note = card_note(devices); });
+        });
+        return note;
+      },
+      nb::arg("devices"), nb::arg("progress").none(),
+      nb::sig("def card_note(devices: collections.abc.Sequence[int], progress: "
+              "collections.abc.Callable[[float], object] | None) -> str"),
+      "What is to be known of cards' kernels, or \"\". Compiles them; how far that is nobody "
+      "knows.");
+  m.def("compiling_kernels", compiling_kernels,
+        "Whether a thread of this process is compiling kernels of a card now.");
+  m.def(
+      "compile_kernels",
+      [](int capability, const std::string& nvrtc, const std::string& folder) {
+        run_long_work([&] {
+          for (const char* const program : {render_program, gather_program}) {
+            const CompiledKernels made = compile_kernels({capability, nvrtc, folder}, program);
+            if (!made.note.empty()) throw Error(made.note);
+          }
+        });
+      },
+      nb::arg("capability"), nb::arg("nvrtc"), nb::arg("folder"),
+      "Compiles all kernels for cards of a compute capability, 90 for 9.0, into a folder, which is "
+      "made where it is not there; no card is needed.");
   bind_memory(m);
 }
 

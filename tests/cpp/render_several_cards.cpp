@@ -214,7 +214,7 @@ TEST_F(SeveralCards, HaveMemoryOfTheirOwn) {
 // The stand-in for the compiler counts.
 TEST_F(SeveralCards, OfOneKindCompileOnce) {
   const auto compiled_so_far = [] {
-    const std::string cubin = compile_kernels(75, card_libraries().nvrtc, "", render_program).cubin;
+    const std::string cubin = compile_kernels({75, card_libraries().nvrtc}, render_program).cubin;
     return std::stoi(cubin.substr(cubin.rfind(' ') + 1));
   };
   CardLibraries libraries = card_libraries();

@@ -17,14 +17,23 @@ STAND_IN = BUILT / "libomma_emulated_driver.so"
 with_stand_in = pytest.mark.skipif(not STAND_IN.exists(), reason="the C++ tests are not built")
 
 
-def run(*arguments, card=True, cards=1, cache="", **more):
+def run(
+    *arguments,
+    card=True,
+    cards=1,
+    cache="",
+    nvrtc=BUILT / "libomma_stand_in_nvrtc.so",
+    compiles_s=0,
+    **more,
+):
     """What a process prints that has the stand-in for so many cards, or none."""
     driver = str(STAND_IN) if card else "libno_such_driver.so.1"
     environment = {
         **os.environ,
         "OMMA_CUDA_DRIVER": driver,
         "OMMA_EMULATED_CARDS": str(cards),
-        "OMMA_NVRTC": str(BUILT / "libomma_stand_in_nvrtc.so"),
+        "OMMA_NVRTC": str(nvrtc),
+        "STAND_IN_NVRTC": str(compiles_s),
         "OMMA_CACHE": str(cache),
     }
     return subprocess.run(
@@ -213,6 +222,79 @@ def test_info_says_all_cards():
     done = run("-m", "omma", "info", "--devices", cards=3)
     for ordinal in range(3):
         assert f"cuda:{ordinal} (emulated card)" in done.stdout
+
+
+# With kernels that a packager has made, in the first argument.
+PACKAGED = """
+import sys
+from pathlib import Path
+import omma
+from omma.scene import device_list
+device_list._PACKAGED = Path(sys.argv[1])
+why_not = omma.scene.devices()[1].why_not
+print("NVRTC is missing" if "NVRTC" in why_not else why_not or "a card")
+told = []
+world = omma.World(omma.load_scene(omma.examples.meadow()), backend="cuda", progress=told.append)
+print(world.backend, told[-1])
+"""
+PACKAGE = "import sys; from omma import _core; _core.compile_kernels(75, '', sys.argv[1])"
+
+
+@with_stand_in
+def test_packaged_kernels_need_no_nvrtc(tmp_path):
+    package, cache = tmp_path / "package", tmp_path / "cache"
+    assert run("-c", PACKAGE, package).returncode == 0
+    assert len(list(package.glob("*kernel*-sm_75-nvrtc13.0.cubin"))) == 2
+    done = run("-W", "error", "-c", PACKAGED, package, cache=cache, nvrtc="/nowhere")
+    assert done.stdout.splitlines() == ["a card", "cuda:0 (emulated card) 1.0"], done.stderr
+    assert not cache.exists()
+
+    for file in package.iterdir():
+        file.write_bytes(file.read_bytes()[:-1])
+    done = run("-c", PACKAGED, package, cache=cache, nvrtc="/nowhere")
+    assert done.stdout.splitlines() == ["NVRTC is missing"]
+    assert "omma.Error: NVRTC, the compiler of kernels, cannot be loaded: /nowhere" in done.stderr
+    done = run("-W", "error", "-c", PACKAGED, package, cache=cache)
+    assert done.stdout.splitlines() == ["a card", "cuda:0 (emulated card) 1.0"], done.stderr
+    assert list((cache / "kernels").glob("*.cubin"))
+
+
+# Each stage as it is told, the first argument ends it.
+BUILDS = """
+import os, signal, sys
+import omma
+from omma.light import clear_sky
+from omma.scene.building import build_world
+stages = []
+def tell(stage, done):
+    if not stages or stages[-1] != stage:
+        stages.append(stage)
+        print(stage, flush=True)
+    if stage == sys.argv[1]:
+        os.kill(os.getpid(), signal.SIGINT)
+mesh = omma.scene.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], material=0)
+scene = omma.Scene(meshes=[mesh], materials=[omma.scene.Material()])
+lit = {"light": clear_sky(30), "lighting": "baked", "bake": omma.scene.Bake(0.5, cache=False)}
+build_world(scene, tell, backend="cuda", ultraviolet="dark", **lit)
+"""
+COMPILES = "Compiling kernels for the card, once"
+
+
+@with_stand_in
+def test_compiling_is_told_of(tmp_path):
+    done = run("-c", BUILDS, "", cache=tmp_path, compiles_s=0.4)
+    stages = [stage.split(" (")[0] for stage in done.stdout.splitlines()]
+    assert stages[0] == COMPILES, done.stderr
+    assert COMPILES in stages[stages.index("Baking light") :]  # what gathers is another program
+    assert stages[-1] == "Baking light"
+
+
+@with_stand_in
+def test_ctrl_c_ends_compiling(tmp_path):
+    done = run("-c", BUILDS, COMPILES, cache=tmp_path / "cache", compiles_s=60, timeout=30)
+    assert done.stdout.splitlines() == [COMPILES]
+    assert done.stderr.splitlines()[-1] == "KeyboardInterrupt"
+    assert not (tmp_path / "cache").exists()
 
 
 def test_info_says_why_there_is_none():

@@ -11,6 +11,11 @@ Stage = Callable[[str, float | None], object]
 """Called with what is being done and its finished share, None where that is not known."""
 
 
+def without_share(progress: Progress | None) -> Progress | None:
+    """A progress function for work before the first share: ``progress`` is told of 0 alone."""
+    return share_of(progress, 0.0, 0.0)
+
+
 def share_of(progress: Progress | None, first: float, last: float) -> Progress | None:
     """A progress function for one stage, which takes ``progress`` from ``first`` to ``last``."""
     if progress is None:

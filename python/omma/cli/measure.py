@@ -33,7 +33,7 @@ from omma.cli.working import DelayedBar, check_outputs, say, working
 from omma.eye.files import load_eye
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import MAX_SAMPLES, PointsName
-from omma.scene.building import BUILDING, READING
+from omma.scene.building import BUILDING, READING, stage_of
 from omma.scene.files import load_scene
 from omma.study.plots import (
     save_alias_curves,
@@ -380,7 +380,7 @@ def _read(scene: Path, unit: str | None, up: str | None, bar: DelayedBar) -> Sce
 def _open(scene: Path, unit: str | None, up: str | None, threads: int, bar: DelayedBar) -> Renderer:
     """A renderer of the scene, to make others from."""
     world = _read(scene, unit, up, bar)
-    return scene_renderer(world, threads, bar.fraction_of(BUILDING))
+    return scene_renderer(world, threads, stage_of(bar.show, BUILDING))
 
 
 def _head(files: Sequence[Path], unit: str) -> Eye:

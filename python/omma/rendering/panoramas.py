@@ -146,7 +146,7 @@ def see_panorama(
 
     Example:
         >>> sky = np.ones((90, 180, 3), np.float32)
-        >>> omma.rendering.see_panorama(sky, omma.eye.generate_eye(100)).round(3).max()
+        >>> float(omma.rendering.see_panorama(sky, omma.eye.generate_eye(100)).round(3).max())
         1.0
 
     Raises:

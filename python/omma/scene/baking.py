@@ -12,7 +12,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error, Scene
 from omma.base.arguments import positive, whole
-from omma.base.progress import Progress
+from omma.base.progress import Progress, without_share
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.scene.baked_files import (
@@ -167,7 +167,7 @@ def find_baked_light(
         unfinished = None if directory is None else read_unfinished(directory, key)
         begins = getattr(progress, "begins", None)
         if begins is not None:
-            begins(bake_cost(engine, bake))
+            begins(bake_cost(engine, bake, progress))
         try:
             baked = _core.bake_light(
                 engine,
@@ -203,10 +203,12 @@ def find_baked_light(
     )
 
 
-def bake_cost(engine: _core.World, bake: Bake) -> BakeCost:
-    """What baking a world that is lit by paths would take; `omma.World.bake_cost`."""
+def bake_cost(engine: _core.World, bake: Bake, progress: Progress | None = None) -> BakeCost:
+    """What baking a world that is lit by paths would take; `omma.World.bake_cost`. ``progress`` is
+    told of nothing finished meanwhile."""
+    told = without_share(progress)
     cells, by_probes, size, seconds = _core.bake_cost(
-        engine, bake.cell_m or 0.0, bake.paths or 0, bake.most_bytes
+        engine, bake.cell_m or 0.0, bake.paths or 0, bake.most_bytes, told
     )
     return BakeCost(cells, size, seconds, by_probes)
 

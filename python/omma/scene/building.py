@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
+from omma import _core
 from omma._core import Scene
-from omma.base.progress import Stage
+from omma.base.progress import Progress, Stage
 from omma.scene.baking import BakeCost
 from omma.scene.world import World
 
 # What tools that report stages call those before rendering.
 READING, BUILDING = "Reading the scene", "Building the acceleration structure"
 BAKING = "Baking light"
+COMPILING = "Compiling kernels for the card, once"
 
 # Bakes that take longer say beforehand how long.
 _LONG_S = 10.0
 
 
+def stage_of(tell: Stage, stage: str) -> Progress:
+    """Tells of a stage, and of the card's kernels while they are compiled in it."""
+
+    def told(done: float) -> None:
+        if _core.compiling_kernels():
+            tell(COMPILING, None)
+        else:
+            tell(stage, done)
+
+    return told
+
+
 def build_world(scene: Scene, tell: Stage, **arguments: Any) -> World:
     """A world of the arguments of `World`; building and baking are told as stages of their own."""
     if arguments.get("lighting") != "baked":
-        return World(scene, progress=partial(tell, BUILDING), **arguments)
+        return World(scene, progress=stage_of(tell, BUILDING), **arguments)
     of_light = ("light", "depth", "polarized", "ultraviolet")
     lit = {name: arguments[name] for name in of_light if name in arguments}
     baked = {name: arguments.pop(name) for name in ("lighting", "sun", "bake") if name in arguments}
-    world = World(scene, progress=partial(tell, BUILDING), **arguments)
+    world = World(scene, progress=stage_of(tell, BUILDING), **arguments)
     tell(BAKING, None)
     return world.with_light(**lit, **baked, progress=_Baking(tell))
 
@@ -44,4 +57,4 @@ class _Baking:
         self._tell(self._stage, None)
 
     def __call__(self, done: float) -> None:
-        self._tell(self._stage, done)
+        stage_of(self._tell, self._stage)(done)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Error, Scene
+from omma.base.progress import Progress, without_share
 from omma.eye import generate_eye
 from omma.light import Bands, uniform_sky
 from omma.scene.joining import merge_scenes
@@ -18,10 +19,14 @@ from omma.scene.solids import box, plane, sphere
 _ALLOWED = 1e-3
 
 
-def trouble_with_card() -> str:
-    """What is wrong with the card's pictures of a small scene, unlit and lit; "" for nothing."""
+def trouble_with_card(progress: Progress | None = None) -> str:
+    """What is wrong with the card's pictures of a small scene, unlit and lit; "" for nothing.
+
+    ``progress`` is told of nothing finished while kernels are compiled.
+    """
     scene = _small_scene()
     try:
+        _core.card_note([], without_share(progress))
         for is_lit in (False, True):
             expected, found = (_seen(scene, backend, is_lit) for backend in ("portable", "cuda"))
             difference = float(np.abs(found - expected).mean() / expected.mean())

@@ -6,12 +6,17 @@ import os
 import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 from omma import _core
 from omma.base.arguments import whole
 from omma.base.card_compiler import find_nvrtc
 from omma.base.directories import cache_folder
+from omma.base.progress import Progress, without_share
 from omma.base.warn import warn_caller
+
+# Kernels that a packager has compiled (scripts/compile_kernels); mostly it is not there.
+_PACKAGED = Path(__file__).parents[1] / "kernels"
 
 
 @dataclass(frozen=True)
@@ -46,13 +51,14 @@ def _find_cards() -> list[tuple[str, str, str]]:
     """Of each card the name, its driver's CUDA and why it cannot be used; tells the engine of
     NVRTC."""
     kernels = str(cache_folder("kernels"))
-    _core.use_card_libraries("", kernels)
+    _core.use_card_libraries("", kernels, str(_PACKAGED))
     states = _core.card_states()
     drivers = [driver for _, driver, _ in states if driver]
     if not drivers:
         return states
     # Kernels that a newer CUDA has compiled are nothing to an older driver.
-    _core.use_card_libraries(find_nvrtc(int(drivers[0].split(".")[0])), kernels)
+    newest = int(drivers[0].split(".")[0])
+    _core.use_card_libraries(find_nvrtc(newest), kernels, str(_PACKAGED))
     return _core.card_states()
 
 
@@ -60,7 +66,7 @@ def _find_cards() -> list[tuple[str, str, str]]:
 _left_alone: dict[str, str] = {}
 
 
-def _takes_card(name: str, why_not: str) -> bool:
+def _takes_card(name: str, why_not: str, progress: Progress | None) -> bool:
     """Whether that card is taken where nobody says what traces rays: it can be used, and sees a
     small scene as the processor does. A warning says why not, once."""
     if not name:
@@ -69,7 +75,7 @@ def _takes_card(name: str, why_not: str) -> bool:
         # Needs much that is not needed without a card.
         from omma.scene.card_check import trouble_with_card
 
-        _left_alone[name] = why_not or trouble_with_card()
+        _left_alone[name] = why_not or trouble_with_card(progress)
         if _left_alone[name]:
             warn_caller(
                 f"{name} is left alone, the processor traces the rays: {_left_alone[name]}",
@@ -99,12 +105,16 @@ def without_ordinals(backend: str) -> str:
     return ", ".join(sorted({re.sub(r"^cuda:\d+", "cuda", part) for part in parts}))
 
 
-def prepare_backend(backend: str, devices: Collection[int]) -> str:
-    """The backend of a world, made ready: cards' kernels are compiled where they are not kept.
+def prepare_backend(
+    backend: str, devices: Collection[int], progress: Progress | None = None
+) -> str:
+    """The backend of a world, made ready: cards' kernels are compiled where there are none.
 
     Args:
         backend: "" takes cards where some are named or the first one can be taken, else the fastest
             of the processor's.
+        devices: ordinals of cards; none for the first one.
+        progress: told of nothing finished meanwhile; what it raises ends the work.
 
     Raises:
         omma.Error: there is no such card that can be used, and it is asked for; why.
@@ -116,9 +126,9 @@ def prepare_backend(backend: str, devices: Collection[int]) -> str:
     if backend not in ("", "cuda"):
         return backend
     name, _, why_not = _find_cards()[0]
-    if backend == "" and not devices and not _takes_card(name, why_not):
+    if backend == "" and not devices and not _takes_card(name, why_not, progress):
         return ""
-    note = _core.card_note(list(devices))
+    note = _core.card_note(list(devices), without_share(progress))
     if note:
         warn_caller(f"the card's kernels are compiled by each process: {note}", UserWarning)
     return "cuda"

@@ -147,7 +147,7 @@ class World:
         lit = None if given is None or arguments is None else given.for_engine(arguments)
         bakes = given is not None and given.bake is not None
         building = share_of(progress, 0, _BUILDING) if bakes else progress
-        chosen = prepare_backend(backend, cards)
+        chosen = prepare_backend(backend, cards, building)
         self._engine = _core.World(scene, number, background, chosen, cards, weights, lit, building)
         if arguments is not None:
             self._bake(arguments, share_of(progress, _BUILDING, 1))

@@ -12,7 +12,6 @@ import subprocess
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ from omma.base.poses import as_poses
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
-from omma.scene.building import BUILDING
+from omma.scene.building import BUILDING, stage_of
 from omma.study.variance import OURS, Method, Progress
 
 # Frames/s of CompoundRay on an NVIDIA RTX 2080 Ti, by rays per ommatidium: eLife 2022, 73893.
@@ -102,7 +101,7 @@ def measure_speed(
         points=method.points,
         noise="new_every_frame",
         threads=threads,
-        progress=partial(tell, BUILDING),
+        progress=stage_of(tell, BUILDING),
     )
     start = time.perf_counter()
     while (passed := time.perf_counter() - start) < warm_up_s:

@@ -6,7 +6,6 @@
 #include <mutex>
 #include <tuple>
 
-#include "backend/cuda/compile.h"
 #include "omma/error.h"
 #include "physics/rays/replicates.h"
 
@@ -38,15 +37,12 @@ std::string in_megabytes(std::size_t bytes) {
 // each other, so that nothing is compiled twice.
 const CompiledKernels& kernels_for(const Card& card, const char* program) {
   static std::mutex one_at_a_time;
-  static std::map<std::tuple<int, std::string, std::string, std::string>, CompiledKernels> known;
-  const CardLibraries& from = card.libraries;
-  const std::tuple key{card.capability, from.nvrtc, from.kernel_cache, std::string(program)};
+  static std::map<std::tuple<KernelRequest, std::string>, CompiledKernels> known;
+  const std::tuple key{kernel_request(card), std::string(program)};
   const std::lock_guard lock(one_at_a_time);
   auto found = known.find(key);
   if (found == known.end())
-    found =
-        known.emplace(key, compile_kernels(card.capability, from.nvrtc, from.kernel_cache, program))
-            .first;
+    found = known.emplace(key, compile_kernels(std::get<0>(key), program)).first;
   return found->second;
 }
 
@@ -71,6 +67,7 @@ void load_kernels(Card& card, bool gathers) {
 // Of the driver, which has `count` cards.
 Card find_driver(const CardLibraries& from, int& count) {
   Card card;
+  card.libraries = from;
   card.name = "cuda";
   card.driver = load_driver(from.driver);
   const DriverFunctions& driver = card.driver;
@@ -135,9 +132,14 @@ Card find_card(const CardLibraries& from, int ordinal) {
   return card;
 }
 
+KernelRequest kernel_request(const Card& card) {
+  const CardLibraries& from = card.libraries;
+  return {card.capability, from.nvrtc, from.kernel_cache, from.packaged_kernels,
+          card.cuda_version / 1000};
+}
+
 Card open_card(const CardLibraries& from, int ordinal) {
   Card card = find_card(from, ordinal);
-  card.libraries = from;
   check(card, card.driver.retain_context(&card.context, card.device), "cuDevicePrimaryCtxRetain");
   return card;
 }

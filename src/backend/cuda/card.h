@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "backend/cuda/compile.h"
 #include "backend/cuda/driver.h"
 #include "physics/views/grid_launch.h"
 
@@ -17,6 +18,7 @@ struct CardLibraries {
   std::string driver = "libcuda.so.1";
   std::string nvrtc;         // the runtime compiler; "": where the system has it
   std::string kernel_cache;  // a folder; "": kernels are compiled by each process
+  std::string packaged_kernels;  // a folder of kernels that came with Omma; "": none
   // Whether arrays that stay on the card are compared with the host's at each launch: an error
   // where one has changed under the version that it had. For tests.
   bool checks_copies = false;
@@ -55,6 +57,8 @@ std::vector<std::string> card_names(const CardLibraries& libraries);
 // Asks the driver alone; what comes before the context is there then. Throws an Error that says why
 // the card cannot be used.
 Card find_card(const CardLibraries& libraries, int ordinal);
+
+KernelRequest kernel_request(const Card& card);
 
 // Without kernels.
 Card open_card(const CardLibraries& libraries, int ordinal);

@@ -229,7 +229,9 @@ CardState state_of(const CardLibraries& libraries, int ordinal, const std::strin
     const Card card = find_card(libraries, ordinal);
     state.driver = std::to_string(card.cuda_version / 1000) + "." +
                    std::to_string(card.cuda_version % 1000 / 10);
-    (void)compile_options(Nvrtc(libraries.nvrtc), card.capability);
+    const KernelRequest wanted = kernel_request(card);
+    if (!packaged_kernels(wanted, render_program) || !packaged_kernels(wanted, gather_program))
+      (void)compile_options(Nvrtc(wanted.nvrtc), wanted.capability);
   } catch (const Error& error) {
     state.why_not = error.what();
   }

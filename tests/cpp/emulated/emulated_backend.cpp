@@ -30,6 +30,7 @@ Backend emulated_backend() {
     set_card_libraries({.driver = OMMA_EMULATED_DRIVER,
                         .nvrtc = OMMA_STAND_IN_NVRTC,
                         .kernel_cache = "",
+                        .packaged_kernels = "",
                         .checks_copies = true});
   const auto build = [](const Scene& scene, const SceneView& view, const Placement& placement,
                         std::span<const int> devices, WorkState* work) {

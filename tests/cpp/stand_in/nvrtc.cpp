@@ -1,8 +1,11 @@
 // Stands in for NVRTC where tests need its errors, or no compiling. A cubin of its is the options
-// and how often it has compiled. The environment variable STAND_IN_NVRTC makes compiling fail.
+// and how often it has compiled. By the environment variable STAND_IN_NVRTC compiling "fails", or
+// takes so many seconds.
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <thread>
 
 namespace {
 
@@ -58,11 +61,18 @@ int nvrtcSetFlowCallback(Program* program, int (*is_cancelled)(void*, void*), vo
 }
 
 int nvrtcCompileProgram(Program* program, int count, const char* const* options) {
-  if (program->is_cancelled != nullptr && program->is_cancelled(program->payload, nullptr) != 0)
-    return 16;
-  if (std::getenv("STAND_IN_NVRTC") != nullptr) {
+  const char* const asked = std::getenv("STAND_IN_NVRTC");
+  if (asked != nullptr && std::string(asked) == "fails") {
     program->log = "grid.h(1): error: the stand-in fails";
     return 6;
+  }
+  using Clock = std::chrono::steady_clock;
+  const std::chrono::duration<double> takes(asked != nullptr ? std::atof(asked) : 0);
+  for (const auto begun = Clock::now();;) {
+    if (program->is_cancelled != nullptr && program->is_cancelled(program->payload, nullptr) != 0)
+      return 16;
+    if (Clock::now() - begun >= takes) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   for (int i = 0; i < count; ++i) program->cubin += std::string(options[i]) + " ";
   program->cubin += std::to_string(++compiled);
