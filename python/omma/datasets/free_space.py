@@ -32,7 +32,7 @@ class FreeSpace:
 
     def __init__(self, world: World, threads: int = 0) -> None:
         bounds = world.scene.bounds
-        self._world, self._threads = world, threads
+        self.world, self._threads = world, threads
         box = np.zeros((2, 3)) if bounds is None else np.asarray(bounds)
         self._top = float(box[1, 1]) + 1.0
         # Offset against self-intersection: rays are single precision.
@@ -77,7 +77,7 @@ class FreeSpace:
             and len(positions)
         ):
             found = FarMap(
-                self._world.scene, positions.min(axis=0), positions.max(axis=0), clearance_m
+                self.world.scene, positions.min(axis=0), positions.max(axis=0), clearance_m
             )
             self._maps[clearance_m] = found
         return np.zeros(len(positions), np.bool_) if found is None else found.is_far(positions)
@@ -88,7 +88,7 @@ class FreeSpace:
             out = _directions(_DIRECTIONS)
             # Rays from the position, and rays towards it from a sphere about it.
             self._balls[radius_m] = ray_bundle(
-                self._world,
+                self.world,
                 np.concatenate([out, -out]),
                 np.concatenate([0 * out, radius_m * out]),
                 self._threads,
