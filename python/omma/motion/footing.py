@@ -4,6 +4,7 @@ it."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from omma.scene.world import World
 _REACH = 2.0
 # Rounding of coordinates in single precision, as a share of them, with room for a few.
 _ROUNDING = 2.0**-21
+_BOUNDS: WeakKeyDictionary[World, Floats | None] = WeakKeyDictionary()
 # Normals of one plane differ by less.
 _SAME_NORMAL = 2e-6
 
@@ -131,9 +133,17 @@ def _one_plane(
     return mean, (apart <= _SAME_NORMAL) & (spread <= 2 * error_m)
 
 
+def _bounds_of(world: World) -> Floats | None:
+    """Lower and upper corner (2, 3), m, of the world's scene, which never change; found once, as
+    all vertices are read for it."""
+    if world not in _BOUNDS:
+        _BOUNDS[world] = world.scene.bounds
+    return _BOUNDS[world]
+
+
 def _traced_origin(world: World) -> Floats:
     """(3,), m: from where the engine traces, in single precision (src/model/scene_place.cpp)."""
-    bounds = world.scene.bounds
+    bounds = _bounds_of(world)
     if bounds is None:
         return np.zeros(3)
     middle = np.asarray(bounds.mean(axis=0))
@@ -146,8 +156,8 @@ def _traced_origin(world: World) -> Floats:
 
 def _top_of(world: World) -> float:
     """A y, m, above everything in a world, also of what has moved or has another shape."""
-    scene = world.scene
-    boxes = [] if scene.bounds is None else [np.asarray(scene.bounds)]
+    scene, bounds = world.scene, _bounds_of(world)
+    boxes = [] if bounds is None else [bounds]
     for mesh in world._engine.reshaped:
         shape = world._engine.positions(mesh)
         local = np.stack([shape.min(axis=0), shape.max(axis=0)])
