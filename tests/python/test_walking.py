@@ -121,9 +121,9 @@ def test_on_a_sphere_the_normal_is_the_radius(world_of):
     rng = np.random.default_rng(3)
     xz = rng.uniform(-0.5, 0.5, (200, 2))
     poses = place_on(world_of(ball), xz, height_m=0.02, heading_deg=rng.uniform(-180, 180, 200))
-    # Faces are 0.012 m long and so tilted by up to 0.006; the chord below the legs, 0.06 m, is tilted
-    # from the tangent by its square over 6, times the third derivative: below 0.004. Faces lie within
-    # the sphere by up to 2e-5.
+    # Faces are 0.012 m long and so tilted by up to 0.006; the chord below the legs, 0.06 m, is
+    # tilted from the tangent by its square over 6, times the third derivative: below 0.004. Faces
+    # lie within the sphere by up to 2e-5.
     radius = np.column_stack([xz[:, 0], np.sqrt(1 - (xz**2).sum(axis=1)), xz[:, 1]])
     np.testing.assert_allclose(poses[:, :3, 1], radius, atol=0.01)
     # The ground in the middle is above the plane of the legs: it is what the head is above.
@@ -184,6 +184,15 @@ def test_legs_over_an_edge_are_left_out_and_counted(world_of):
             pose = place_on(edge, (x, 0), height_m=0.1, heading_deg=turned, legs_m=legs)
         expected = omma.poses_from_angles((0, 0, 0), (0, 0, 20))[0, :3, 1]
         np.testing.assert_allclose(pose[0, :3, 1], expected, atol=1e-6)
+
+
+def test_ground_far_below_an_edge_is_out_of_reach_at_any_coordinates(world_of):
+    ledge = solids.merge_scenes([slab((-1, 1), (-1, 1)), FLOOR])
+    world = world_of(solids.place_scene(ledge, omma.poses_from_angles(FAR_M, (0, 0, 0))[0]))
+    at = (FAR_M[0] + 0.9, FAR_M[2])
+    with pytest.warns(UserWarning, match="2 of 6 legs"):
+        pose = place_on(world, at, height_m=0.1, heading_deg=90, legs_m=(0.3, 0.2))
+    np.testing.assert_allclose(pose[0, :3, 1], [0, 1, 0], atol=1e-6)
 
 
 def test_on_a_post_that_no_leg_reaches(world_of):
@@ -275,6 +284,12 @@ def test_slopes_and_obstacles(world_of):
     np.testing.assert_allclose(
         there.ahead_m, [5 / np.cos(np.radians(30)), np.inf, np.inf], rtol=1e-5
     )
+    leaf = solids.plane((4, 4), center_m=(0, 0.4, 0), name="leaf")
+    leafy = world_of(solids.place_scene(FLOOR, slope), leaf)
+    assert ground_at(leafy, heads).height_m == pytest.approx([0.1] * 3)
+    below = ground_at(leafy, heads, on=["floor"])
+    np.testing.assert_allclose(below.height_m, 0.5, atol=1e-6)
+    np.testing.assert_allclose(below.slope_deg, 20, atol=1e-4)
     walking = place_on(world, [(0, 0), (0, 1)], height_m=0.1)
     ahead = ground_at(world, walking)
     np.testing.assert_allclose(ahead.climb_deg, 20, atol=1e-4)

@@ -19,6 +19,8 @@ _REACH = 2.0
 # Rounding of coordinates in single precision, as a share of them, with room for a few.
 _ROUNDING = 2.0**-21
 _BOUNDS: WeakKeyDictionary[World, Floats | None] = WeakKeyDictionary()
+# Where coordinates are smaller than this, m, they are rounded as if they were not.
+_LEAST_M = 1e-3
 # Normals of one plane differ by less.
 _SAME_NORMAL = 2e-6
 
@@ -27,7 +29,7 @@ class Below:
     """Asks a world for the ground under legs (L, 2), m, to the right and ahead."""
 
     def __init__(self, world: World, legs: Floats, from_m: float | None, on: Sequence[str]) -> None:
-        self.legs, self.on = legs, on
+        self.world, self.legs, self.on = world, legs, on
         self.top = _top_of(world) if from_m is None else float(from_m)
         if not np.isfinite(self.top):
             raise Error(f"from_m: expected a finite number, found {from_m!r:.40}")
@@ -51,15 +53,16 @@ class Below:
         if len(pose):
             again = np.einsum("pij,pj->pi", poses[pose, :3, :3], self._starts[leg])
             again += poses[pose, :3, 3]
-            step = self.rounding_m(again)
+            step = rounding_m(self.world, again)
             again[:, 1] = height[pose, leg] - step
             height[pose, leg], normal[pose, leg] = first_below(self._down, again, step, self.on)
         return height, normal
 
-    def rounding_m(self, position_m: Floats) -> Floats:
-        """(P,), m: more than what rays lose of positions (P, 3), in single precision."""
-        size = np.abs(position_m - self._origin).max(axis=-1)
-        return np.asarray(_ROUNDING * (size + self.reach_m))
+
+def rounding_m(world: World, position_m: Floats) -> Floats:
+    """(P,), m: more than what rays lose of positions (P, 3), in single precision."""
+    size = np.abs(position_m - _traced_origin(world)).max(axis=-1)
+    return np.asarray(_ROUNDING * np.maximum(size, _LEAST_M))
 
 
 def standing(below: Below, points: Floats, yaw: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
@@ -69,7 +72,7 @@ def standing(below: Below, points: Floats, yaw: Floats) -> tuple[Floats, Floats,
     middle = _middle_height(coarse, below.reach_m)
     has_any = np.isfinite(middle)
     level = np.where(has_any, middle, 0)
-    error = below.rounding_m(np.column_stack([points[:, 0], level, points[:, 1]]))
+    error = rounding_m(below.world, np.column_stack([points[:, 0], level, points[:, 1]]))
     error += _ROUNDING * (top - level)
     reach = below.reach_m + error
     height, normal = below.look(points, np.minimum(level + reach, top), yaw)

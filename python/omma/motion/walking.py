@@ -13,8 +13,8 @@ from omma.base.arguments import array_of, checked, positive
 from omma.base.poses import Matrices, as_poses
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
-from omma.motion.footing import Below, standing
-from omma.motion.ground_rays import Floats, ray_bundle, shoot, upright
+from omma.motion.footing import Below, rounding_m, standing
+from omma.motion.ground_rays import Floats, first_below, ray_bundle, shoot, upright
 from omma.motion.tracks import Track, heading_along
 from omma.scene.world import World
 
@@ -149,7 +149,12 @@ class GroundAt:
 
 
 @checked
-def ground_at(ground: World | Scene, poses: ArrayLike | tuple[ArrayLike, ArrayLike]) -> GroundAt:
+def ground_at(
+    ground: World | Scene,
+    poses: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    on: Sequence[str] = (),
+) -> GroundAt:
     """The slope of the ground below heads, and how far it is to what is ahead.
 
     By one ray straight down and one straight ahead, from each head.
@@ -157,6 +162,7 @@ def ground_at(ground: World | Scene, poses: ArrayLike | tuple[ArrayLike, ArrayLi
     Args:
         ground: a world, or a scene, of which a world is made.
         poses: (P, 4, 4), or (positions (P, 3), quaternions (P, 4)).
+        on: names of instances that are ground, as of `place_on`. Ahead of heads everything counts.
 
     Example:
         >>> room = omma.scene.merge_scenes([omma.scene.plane((9, 9)), omma.scene.box((1, 1, 1))])
@@ -171,9 +177,11 @@ def ground_at(ground: World | Scene, poses: ArrayLike | tuple[ArrayLike, ArrayLi
     world = ground if isinstance(ground, World) else World(ground)
     if len(heads) == 0:
         return GroundAt(*np.empty((4, 0)))
-    down = shoot(ray_bundle(world, [[0, -1, 0]]), upright(heads[:, :3, 3]))
-    height, normal = down.distance_m[:, 0], down.normal[:, 0]
-    _tell(heads[:, [0, 2], 3], np.isfinite(height), np.ones((len(heads), 0), np.bool_))
+    start = heads[:, :3, 3]
+    down, step = ray_bundle(world, [[0, -1, 0]]), rounding_m(world, start)
+    met, normal = first_below(down, start, step, on)
+    height = start[:, 1] - met
+    _tell(start[:, [0, 2]], np.isfinite(height), np.ones((len(heads), 0), np.bool_))
     forward = -heads[:, :3, 2]
     level = np.hypot(forward[:, 0], forward[:, 2])
     rise = -(normal[:, [0, 2]] * forward[:, [0, 2]]).sum(axis=1)
