@@ -169,7 +169,9 @@ def test_a_small_hole_is_bridged_and_a_large_one_is_not(world_of):
 def test_legs_over_an_edge_are_left_out_and_counted(world_of):
     world = world_of(slab((-1, 1), (-1, 1)))
     two = [(0.9, 0), (0, 0)]
-    with pytest.warns(UserWarning, match=r"2 of 12 legs reach none, at 1 of 2 points.* at 0 fewer"):
+    with pytest.warns(
+        UserWarning, match=r"2 of 12 legs reach no ground, at 1 of 2 points.* at 0 fewer"
+    ):
         poses = place_on(world, two, height_m=0.1, heading_deg=90, legs_m=(0.3, 0.2))
     np.testing.assert_allclose(poses[:, :3, 1], [[0, 1, 0]] * 2, atol=1e-6)
     # Two legs behind are left, or three in a line: the ground in the middle says how to stand.
@@ -206,12 +208,12 @@ def test_where_there_is_no_ground(world_of):
     world = world_of(slab((-1, 1), (-1, 1)))
     points = np.column_stack([np.linspace(0.5, 3.5, 31), np.zeros(31)])
     with pytest.raises(
-        omma.Error, match=r"none below 25 of 31 points: 6 \(x 1\.1, z 0\), .* and 20 more"
+        omma.Error, match=r"no ground below 25 of 31 points: 6 \(x 1\.1, z 0\), .* and 20 more"
     ):
         place_on(world, points, height_m=0.01)
-    with pytest.raises(omma.Error, match=r"none below 1 of 2 points: 1 \(x 5, z 0\)"):
+    with pytest.raises(omma.Error, match=r"no ground below 1 of 2 points: 1 \(x 5, z 0\)"):
         ground_at(world, omma.poses_from_angles([(0, 2, 0), (5, 2, 0)], (0, 0, 0)))
-    with pytest.raises(omma.Error, match="empty"):
+    with pytest.raises(omma.Error, match="no surfaces"):
         place_on(omma.Scene(), (0, 0), height_m=0.01)
 
 
@@ -442,3 +444,26 @@ def test_data_sets_along_a_track(files):
     assert len(made) == 21
     linear, _ = omma.velocities_from_poses(made, track.times_s)
     np.testing.assert_allclose(data.head_velocity, linear, atol=1e-9)
+
+
+def test_a_closed_loop_on_the_ground():
+    spaces = pytest.importorskip("gymnasium").spaces
+    hill = solids.place_scene(FLOOR, omma.poses_from_angles((0, 0, 0), (0, 20, 0))[0])
+    world = omma.World(hill)
+
+    def pose_of(z):
+        return z, place_on(world, (0, z), height_m=0.01)[0]
+
+    loop = omma.gym.Loop(
+        omma.Renderer(world, omma.eye.generate_eye(30), omma.Fixed(1)),
+        lambda rng: pose_of(1.0),
+        lambda z, action, rng: pose_of(z - action[0]),
+        reward=lambda moment: ground_at(world, moment.pose).climb_deg[0],
+        action_space=spaces.Box(0, 1, (1,), np.float32),
+        most_steps=5,
+    )
+    env = omma.gym.eye_env(loop)
+    env.reset(seed=1)
+    _, reward, _, _, info = env.step(np.array([0.5], np.float32))
+    assert reward == pytest.approx(20, abs=1e-4)
+    np.testing.assert_array_equal(info["pose"], pose_of(0.5)[1])

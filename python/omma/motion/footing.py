@@ -168,7 +168,7 @@ def _top_of(world: World) -> float:
             _moved_box(local, one.world_from_mesh) for one in scene.instances if one.mesh == mesh
         ]
     if not boxes:
-        raise Error("ground: expected a scene with surfaces, found an empty one")
+        raise Error("no ground: the scene has no surfaces")
     rest = np.stack([np.min(boxes, axis=(0, 1)), np.max(boxes, axis=(0, 1))])
     tops, instances = [rest[1, 1]], world.instances if world._moved else []
     for index, before in world._moved.items():

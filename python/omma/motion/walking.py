@@ -240,18 +240,18 @@ def _tell(points: Floats, is_there: NDArray[np.bool_], legs: NDArray[np.bool_]) 
     missing = np.flatnonzero(~is_there)
     if len(missing):
         named = ", ".join(
-            f"{k} (x {points[k, 0]:g}, z {points[k, 1]:g})" for k in missing[:_MOST_NAMED]
+            f"{k} (x {points[k, 0]:.10g}, z {points[k, 1]:.10g})" for k in missing[:_MOST_NAMED]
         )
         more = "" if len(missing) <= _MOST_NAMED else f" and {len(missing) - _MOST_NAMED} more"
         raise Error(
-            f"ground: there is none below {len(missing)} of {len(points)} points: {named}{more}; "
+            f"no ground below {len(missing)} of {len(points)} points: {named}{more}; "
             "single-sided surfaces that face down are not seen from above"
         )
     without = int((~legs).sum())
     if without:
         few, some = int((legs.sum(axis=1) < 3).sum()), int((~legs).any(axis=1).sum())
         warn_caller(
-            f"ground: {without} of {legs.size} legs reach none, at {some} of {len(points)} points, "
+            f"{without} of {legs.size} legs reach no ground, at {some} of {len(points)} points, "
             f"and were left out; at {few} fewer than three do, where bodies stand by the normal of "
             "the ground in the middle",
             UserWarning,
