@@ -9,8 +9,8 @@ import pytest
 from dataset_jobs import write_job
 
 import omma
+from omma.base.backend_names import without_ordinals
 from omma.scene import devices
-from omma.scene.device_list import without_ordinals
 
 BUILT = Path(__file__).parents[2] / "build/default/tests/cpp"
 STAND_IN = BUILT / "libomma_emulated_driver.so"

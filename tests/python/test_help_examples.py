@@ -48,7 +48,7 @@ def named_files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("help")
     eye = make_eye(200)
     receptors = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
-    for name in ("honeybee", "left", "right", "1000", "bee", "honeybee_worker_left"):
+    for name in ("honeybee", "left", "right", "1000", "bee", "ant", "honeybee_worker_left"):
         omma.save_eye(folder / f"{name}.eye", eye)
     omma.save_eye(folder / "honeybee_worker_right.eye", eye)
     omma.save_eye(folder / "eye-in-micrometres.eye", eye, "um")
@@ -82,6 +82,7 @@ def named_files(tmp_path_factory):
     omma.scene.save_scene(folder / "meadow_lit.glb", omma.Scene(meshes=[sward], materials=of_sward))
     few = (EXAMPLES_FOLDER / "flight.csv").read_text().splitlines()[:4]
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
+    (folder / "track.csv").write_text("t_s,x_m,z_m\n0,0,3\n0.1,0,2.9\n")
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
     (folder / "moved").mkdir()

@@ -64,6 +64,7 @@ WITHOUT = {
     "Window": "a server with a page (test_view_window)",
     "Window.close": "a server with a page (test_view_window)",
     "Window.go_to": "a server with a page (test_view_window)",
+    "CardArray": "a graphics card (test_card_arrays)",
     "World.set_color": "a world that was never lit",
     "World.set_image": "a world that was never lit, with an image",
 }
@@ -106,6 +107,8 @@ def public_calls(folder):
     eye = make_eye(24)
     omma.save_eye(folder / "bug.eye", eye)
     (folder / "poses.csv").write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n")
+    (folder / "track.csv").write_text("x_m,z_m\n0,0\n0,-1\n")
+    walked = np.array([(0.0, 0.0), (0.0, -1.0)])
     (folder / "s.csv").write_text("angle_deg,sensitivity\n0,1\n1,0.5\n2,0\n")
     (folder / "angles.csv").write_text(
         "azimuth_deg,elevation_deg,dphi_h_deg\n0,0,5\n1,0,5\n0,1,5\n1,1,5\n"
@@ -287,6 +290,11 @@ def public_calls(folder):
             ),
             pose,
         ),
+        "see_panorama": (np.ones((9, 18, 3)), eye),
+        "PanoramaView": (eye, omma.rendering.Equirectangular(9, 18)),
+        "Equirectangular": (9, 18),
+        "CubeFaces": (8,),
+        "Fisheye": (8, 8),
         "render_agents": ([omma.Renderer(scene, bee, omma.Fixed(1))], pose[None, None]),
         "load_poses": (folder / "poses.csv",),
         "load_scene": (folder / "scene.gltf",),
@@ -434,6 +442,11 @@ def public_calls(folder):
         },
         "hexagonal_coordinates": (eye,),
         "neighbour_pairs": (large,),
+        "ground_at": (omma.scene.plane(), omma.look_at((0, 1, 0), (0, 1, -1))),
+        "load_track": (folder / "track.csv",),
+        "place_on": dict(ground=omma.scene.plane(), xz_m=(0.1, 0.2), height_m=0.01),
+        "walk_on": dict(ground=omma.scene.plane(), track=walked, height_m=0.01),
+        "Track": (walked,),
         "load_responses": (kept,),
         "plot_responses": (png, eye, rgb),
         "render_like": (kept, csv),
@@ -515,6 +528,13 @@ def public_calls(folder):
         }),
         "LoomingCells": (omma.motion.looming_cells(eye, [[0, 0, -1]]), {
             "arms": (np.zeros((len(eye), 2)),), "responses": (np.zeros((len(eye), 2)),),
+        }),
+        "PanoramaView": (
+            omma.rendering.PanoramaView(eye, omma.rendering.Equirectangular(9, 18)),
+            {"see": (np.ones((9, 18, 3)),), "see_each": ([np.ones((9, 18, 3))],)},
+        ),
+        "Track": (omma.motion.Track(walked, times_s=[0, 1]), {
+            "every": (0.5,), "at_speed": dict(speed_m_s=0.5, step_s=0.5),
         }),
         "Wiring": (omma.eye.superposition.Wiring([0, 1], [0], [1.0]), {}),
         "GroundTruth": (renderer.ground_truth(pose), {}),

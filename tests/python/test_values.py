@@ -142,6 +142,10 @@ def examples(files, tmp_path_factory):
             None, np.ones(200)
         )[0],
         "motion.LoomingCells": omma.motion.looming_cells(angles, [[0, 0, -1]]),
+        "motion.GroundAt": omma.motion.ground_at(
+            omma.scene.plane(), omma.look_at((0, 1, 0), (0, 1, -1))
+        ),
+        "motion.Track": omma.motion.Track(np.array([(0, 0), (0, -1)])).at_speed(0.1, step_s=1),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
         "rendering.CubeFaces": omma.rendering.CubeFaces(8),
@@ -225,6 +229,7 @@ UNHASHABLE = {
     "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
     "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
+    "motion.GroundAt", "motion.Track",
     "rendering.GroundTruth",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",

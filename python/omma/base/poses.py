@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -160,14 +160,17 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
     """
     name = os.fsdecode(path)
-    columns, table = _read_table(open_text(path), name)
+    columns, table = read_table(open_text(path), name, (QUATERNION_COLUMNS, ANGLE_COLUMNS), "pose")
     if columns == QUATERNION_COLUMNS:
         return poses_from_quaternions(table[:, :3], table[:, 3:])
     return poses_from_angles(table[:, :3], table[:, 3:])
 
 
-def _read_table(lines: Iterable[str], name: str) -> tuple[tuple[str, ...], Matrices]:
-    """Names of the columns, and the rows as float64 (P, columns)."""
+def read_table(
+    lines: Iterable[str], name: str, headers: Sequence[tuple[str, ...]], row: str
+) -> tuple[tuple[str, ...], Matrices]:
+    """Names of the columns, one of ``headers``, and the rows as float64 (P, columns); ``row`` is
+    what one of them is called."""
     columns: tuple[str, ...] = ()
     rows = array("d")  # 8 bytes a number: a million poses are few
     for number, full in enumerate(lines, start=1):
@@ -177,11 +180,10 @@ def _read_table(lines: Iterable[str], name: str) -> tuple[tuple[str, ...], Matri
         cells = [cell.strip() for cell in line.split(",")]
         if not columns:
             columns = tuple(cell.lower() for cell in cells)
-            if columns not in (QUATERNION_COLUMNS, ANGLE_COLUMNS):
+            if columns not in headers:
+                expected = " or ".join(",".join(header) for header in headers)
                 raise Error(
-                    f"{name}, line {number}: expected a header line "
-                    f"{','.join(QUATERNION_COLUMNS)} or {','.join(ANGLE_COLUMNS)}, "
-                    f"found '{line[:60]}'"
+                    f"{name}, line {number}: expected a header line {expected}, found '{line[:60]}'"
                 )
             continue
         if len(cells) != len(columns):
@@ -191,7 +193,7 @@ def _read_table(lines: Iterable[str], name: str) -> tuple[tuple[str, ...], Matri
             )
         rows.extend(_row(cells, columns, f"{name}, line {number}"))
     if not rows:
-        raise Error(f"{name}: holds no pose")
+        raise Error(f"{name}: holds no {row}")
     return columns, np.array(rows).reshape(-1, len(columns))
 
 

@@ -63,6 +63,23 @@ LookAtOption = Annotated[
 PathOption = Annotated[
     Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
 ]
+OnGroundOption = Annotated[
+    float | None,
+    typer.Option(
+        "--on-ground",
+        help="Height of the head above the ground, in metres: --path is then a track, a CSV file "
+        "with columns [t_s,]x_m,z_m[,heading_deg], and the body pitches and rolls with the ground.",
+        metavar="HEIGHT",
+    ),
+]
+GroundOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="With --on-ground: a thing of the scene that is ground; may be given several times. "
+        "Default: everything is.",
+        metavar="NAME",
+    ),
+]
 ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
 
 BackgroundOption = Annotated[

@@ -14,9 +14,11 @@ from omma.cli.options import (
     BackgroundOption,
     DeviceOption,
     GammaOption,
+    GroundOption,
     HeightOption,
     LightOption,
     LookAtOption,
+    OnGroundOption,
     PathOption,
     SceneArgument,
     SceneUnitOption,
@@ -72,6 +74,11 @@ The path as a video, 30 poses a second (pip install 'omma[video]'):
 
 `omma render meadow.glb --eye left.eye --eye right.eye --path flight.csv -o flight.mp4`
 
+An ant's track on the ground, its head 3 mm above it:
+
+`omma render meadow.glb --eye ant.eye --path track.csv --on-ground 0.003 --ground land
+-o walk.npy`
+
 A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
 it was, to the same numbers:
 
@@ -96,7 +103,8 @@ What the receptors of an eye answer, with as much ultraviolet as there is blue:
 
 `omma render meadow.glb --eye bee.csv --receptors --ultraviolet as_blue -o receptors.csv`
 
-The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg.
+The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg; with
+--on-ground x_m,z_m or t_s,x_m,z_m,heading_deg.
 
 **omma render-again** renders again what an earlier render wrote; **omma render-cameras** renders
 every camera of a scene.
@@ -145,6 +153,8 @@ def render(
     ] = None,
     look_at: LookAtOption = None,
     path: PathOption = None,
+    on_ground: OnGroundOption = None,
+    ground: GroundOption = None,
     background: BackgroundOption = None,
     light: LightOption = None,
     standard_error: Annotated[
@@ -206,6 +216,8 @@ def render(
         position=position,
         look_at=look_at,
         path=path,
+        on_ground=on_ground,
+        ground=tuple(ground or ()),
         scene_unit=scene_unit,
         scene_up=scene_up,
         threads=threads,

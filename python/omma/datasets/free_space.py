@@ -1,8 +1,6 @@
 """Free space in a scene: what rays tell of the surfaces about a position.
 
-An eye whose ommatidia take a single ray each is a bundle of rays; ground truth says how far each
-went. Single-sided surfaces are met from their front only, so that positions are asked from both
-sides.
+Single-sided surfaces are met from their front only, so that positions are asked from both sides.
 """
 
 from __future__ import annotations
@@ -10,21 +8,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from omma._core import Eye
 from omma.base.spirals import GOLDEN_ANGLE_RAD, fibonacci_lattice
 from omma.datasets.far_map import FarMap, triangles_of
+from omma.motion.ground_rays import LAYERS, first_below, ray_bundle, shoot, upright
 from omma.rendering.renderer import Renderer
-from omma.rendering.settings import Fixed
 from omma.scene.world import World
 
 Floats = NDArray[np.float64]
 
 # Directions in which rays are sent from a position, and towards it.
 _DIRECTIONS = 128
-# Most surfaces that a vertical line is followed through.
-_LAYERS = 256
 _PIECE = 4096  # positions in one render
 # Most triangles for which a map of far cells is made; and how many positions, at 256 rays each,
 # cost as much as a map, per triangle.
@@ -37,14 +32,14 @@ class FreeSpace:
 
     def __init__(self, world: World, threads: int = 0) -> None:
         bounds = world.scene.bounds
-        self._world, self._threads = world, threads
+        self.world, self._threads = world, threads
         box = np.zeros((2, 3)) if bounds is None else np.asarray(bounds)
         self._top = float(box[1, 1]) + 1.0
         # Offset against self-intersection: rays are single precision.
         self._step = max(1e-5, 1e-5 * float(np.abs(box).max()))
-        self._down = self._bundle([[0, -1, 0]])
-        self._up = self._bundle([[0, 1, 0]])
-        self._ahead = self._bundle([[0, 0, -1]])
+        self._down = ray_bundle(world, [[0, -1, 0]], threads=threads)
+        self._up = ray_bundle(world, [[0, 1, 0]], threads=threads)
+        self._ahead = ray_bundle(world, [[0, 0, -1]], threads=threads)
         self._balls: dict[float, Renderer] = {}
         self._maps: dict[float, FarMap] = {}
         # Skinned meshes are not where the file has their triangles: no map then.
@@ -64,20 +59,8 @@ class FreeSpace:
     def ground_below(self, spots: Floats, on: Sequence[str] = ()) -> Floats:
         """(P,), m: the height at x and z (P, 2) of the highest surface of the instances called so,
         through whatever is above it; without names, of anything. NaN where there is none."""
-        height = np.full(len(spots), np.nan)
-        position = np.column_stack([spots[:, 0], np.full(len(spots), self._top), spots[:, 1]])
-        left = np.arange(len(spots))
-        for _ in range(_LAYERS):
-            if len(left) == 0:
-                break
-            distance, is_wanted = self._ask(self._down, position[left], on)
-            met = np.isfinite(distance)
-            found = met & is_wanted
-            at = position[left, 1] - distance
-            height[left[found]] = at[found]
-            position[left, 1] = np.where(met, at - self._step, 0)
-            left = left[met & ~found]
-        return height
+        start = np.column_stack([spots[:, 0], np.full(len(spots), self._top), spots[:, 1]])
+        return first_below(self._down, start, self._step, on)[0]
 
     def is_clear_ahead(self, poses: NDArray[np.float64], distance_m: float) -> NDArray[np.bool_]:
         """(P,), whether heads at poses (P, 4, 4) meet nothing within a distance straight ahead."""
@@ -94,7 +77,7 @@ class FreeSpace:
             and len(positions)
         ):
             found = FarMap(
-                self._world.scene, positions.min(axis=0), positions.max(axis=0), clearance_m
+                self.world.scene, positions.min(axis=0), positions.max(axis=0), clearance_m
             )
             self._maps[clearance_m] = found
         return np.zeros(len(positions), np.bool_) if found is None else found.is_far(positions)
@@ -104,12 +87,15 @@ class FreeSpace:
         if radius_m not in self._balls:
             out = _directions(_DIRECTIONS)
             # Rays from the position, and rays towards it from a sphere about it.
-            self._balls[radius_m] = self._bundle(
-                np.concatenate([out, -out]), np.concatenate([0 * out, radius_m * out])
+            self._balls[radius_m] = ray_bundle(
+                self.world,
+                np.concatenate([out, -out]),
+                np.concatenate([0 * out, radius_m * out]),
+                self._threads,
             )
         found = []
         for first in range(0, len(positions), _PIECE):
-            poses = _at(positions[first : first + _PIECE])
+            poses = upright(positions[first : first + _PIECE])
             seen = self._balls[radius_m].ground_truth(poses).nearest_m
             away, towards = seen[:, :_DIRECTIONS], seen[:, _DIRECTIONS:]
             # Hits of inward rays beyond the position do not count.
@@ -135,10 +121,10 @@ class FreeSpace:
         """How many surfaces vertical rays meet on so much of their way."""
         number = np.zeros(len(start), np.int64)
         position, left = start.copy(), np.arange(len(start))
-        for _ in range(_LAYERS):
+        for _ in range(LAYERS):
             if len(left) == 0:
                 break
-            distance, _ = self._ask(rays, position[left], ())
+            distance = shoot(rays, upright(position[left])).distance_m[:, 0]
             gone = np.abs(position[left, 1] - start[left, 1]) + distance
             met = gone < length[left]
             number[left[met]] += 1
@@ -146,33 +132,7 @@ class FreeSpace:
             position[left, 1] += sign * (distance[met] + self._step)
         return number
 
-    def _ask(
-        self, rays: Renderer, positions: Floats, on: Sequence[str]
-    ) -> tuple[Floats, NDArray[np.bool_]]:
-        """How far single rays go from positions, and whether they meet one of the instances
-        named."""
-        distance, wanted = [], []
-        for first in range(0, len(positions), _PIECE):
-            truth = rays.ground_truth(_at(positions[first : first + _PIECE]), shares=list(on))
-            distance.append(truth.nearest_m[:, 0].astype(np.float64))
-            shares = truth.shares
-            wanted.append(truth.met[:, 0] > 0 if shares is None else shares[:, 0].sum(axis=1) > 0)
-        return np.concatenate(distance), np.concatenate(wanted)
-
-    def _bundle(self, directions: ArrayLike, starts_m: ArrayLike | None = None) -> Renderer:
-        """One ray for each direction (N, 3), from (N, 3), m, in the head."""
-        axis = np.asarray(directions, dtype=np.float64)
-        start = np.zeros_like(axis) if starts_m is None else starts_m
-        return Renderer(self._world, Eye(start, axis, 0.0), Fixed(1), threads=self._threads)
-
 
 def _directions(number: int) -> Floats:
     """(N, 3), spread evenly over the sphere."""
     return fibonacci_lattice(GOLDEN_ANGLE_RAD * np.arange(number))[:, [0, 2, 1]]
-
-
-def _at(positions: Floats) -> Floats:
-    """Poses (P, 4, 4) of heads that are not turned."""
-    poses = np.tile(np.eye(4), (len(positions), 1, 1))
-    poses[:, :3, 3] = positions
-    return poses

@@ -19,6 +19,7 @@ from typing import Any
 
 from omma import _core
 from omma._core import Error
+from omma.base.backend_names import without_ordinals
 from omma.base.files import reading
 from omma.base.said import (
     Said,
@@ -35,7 +36,6 @@ from omma.datasets.job_file import Job
 from omma.datasets.plan import MOST_VIEWS, Plan
 from omma.datasets.shard_bytes import COMPRESSION
 from omma.rendering.labelled_files import ZARR_MARKER, load_package
-from omma.scene.device_list import without_ordinals
 
 FORMAT = "omma dataset 1"
 

@@ -20,8 +20,9 @@ from omma.base.velocities import velocities_from_poses
 from omma.datasets.free_space import FreeSpace
 from omma.datasets.tables import Table, choices, count, name, number_above_0, numbers, span, texts
 from omma.datasets.tables import text as a_text
+from omma.motion.tracks import Track, load_track
 
-SAMPLERS = ("uniform", "surface", "path", "walk")
+SAMPLERS = ("uniform", "surface", "path", "walk", "track")
 
 # Positions that are tried for a pose.
 _TRIES = 1000
@@ -39,22 +40,24 @@ class PoseSet:
     sampler: str  # one of SAMPLERS
     count: int
     scenes: tuple[str, ...]  # in which it is used
-    file: str = ""  # path: a CSV file of poses
+    file: str = ""  # path: a CSV file of poses; track: of positions
     low_m: tuple[float, ...] = ()  # uniform, walk: corners of a box (3,); surface: x and z
     high_m: tuple[float, ...] = ()
     yaw_deg: tuple[float, float] = (-180.0, 180.0)
     pitch_deg: tuple[float, float] = (0.0, 0.0)
     roll_deg: tuple[float, float] = (0.0, 0.0)
-    height_m: tuple[float, float] = (0.0, 0.0)  # surface
-    on: tuple[str, ...] = ()  # surface: names of instances; none: what is met first from above
+    height_m: tuple[float, float] = (0.0, 0.0)  # surface, track
+    on: tuple[
+        str, ...
+    ] = ()  # surface, track: names of instances; none: what is met first from above
     clearance_m: float = 0.0  # from everything; 0: not asked for
     speed_m_s: tuple[float, float] = (0.0, 0.0)  # straight ahead; not path
     turn_deg_s: tuple[float, float] = (
         0.0,
         0.0,
     )  # uniform, surface: about the head's up, to the right
-    steps: int = 0  # walk: poses of one walk
-    step_s: float = 0.0  # walk, path: between two poses; 0: not told
+    steps: int = 0  # walk, track: poses of one walk
+    step_s: float = 0.0  # walk, path, track: between two poses; 0: not told
     saccades_per_s: float = 0.0
     saccade_deg: tuple[float, float] = (0.0, 0.0)
     saccade_s: float = 0.0
@@ -64,6 +67,11 @@ class PoseSet:
     def files(self) -> tuple[str, ...]:
         """What it is read from."""
         return (self.file,) if self.file else ()
+
+    @property
+    def is_walk(self) -> bool:
+        """Whether its poses are made by whole walks."""
+        return self.steps > 0
 
     @property
     def is_moving(self) -> bool:
@@ -89,6 +97,8 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
             raise Error(f"{table.where}.step_s: expected two poses or more in {file}, found one")
         table.end()
         return PoseSet(**found)
+    if kind == "track":
+        return PoseSet(**found, **_read_track(table, folder))
     corner = numbers(2 if kind == "surface" else 3)
     low = table.take("low_m", corner)
     high = table.take("high_m", corner)
@@ -117,6 +127,26 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
         found["on"] = table.take("on", texts, ())
     table.end()
     return PoseSet(**found)
+
+
+def track_of(file: str, step_s: float) -> Track:
+    """A track that a file has, at equal steps of time where it has times and steps are told."""
+    track = load_track(file)
+    return track.every(step_s) if step_s and track.times_s is not None else track
+
+
+def _read_track(table: Table, folder: Path) -> dict[str, Any]:
+    """What a table [[poses]] says of a track."""
+    file = str(folder / table.take("file", a_text))
+    step_s = table.take("step_s", number_above_0, 0.0)
+    number = len(track_of(file, step_s).xz_m)
+    if step_s and number < 2:
+        raise Error(f"{table.where}.step_s: expected two positions or more in {file}, found one")
+    height_m = (table.take("height_m", number_above_0),) * 2
+    found = {"file": file, "count": number, "steps": number, "step_s": step_s}
+    found |= {"height_m": height_m, "on": table.take("on", texts, ())}
+    table.end()
+    return found
 
 
 def key_of(*parts: object) -> NDArray[np.uint64]:

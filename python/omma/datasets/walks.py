@@ -1,7 +1,8 @@
-"""Random walks with saccades: flights straight ahead, between fast turns of flight and gaze.
+"""Whole walks: along a track on the ground, or random ones with saccades, flights straight ahead
+between fast turns of flight and gaze.
 
-The way turns at once, the head follows within a saccade's duration along a smooth step, and is
-level. Where the way ahead is blocked, or leaves the box, a saccade begins too.
+Of random ones the way turns at once, the head follows within a saccade's duration along a smooth
+step, and is level. Where the way ahead is blocked, or leaves the box, a saccade begins too.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 from omma.base.poses import Matrices, poses_from_angles
 from omma.base.velocities import velocities_from_poses
 from omma.datasets.free_space import FreeSpace
-from omma.datasets.samplers import PoseSet, key_of, no_free_position, sample_poses
+from omma.datasets.samplers import PoseSet, key_of, no_free_position, sample_poses, track_of
+from omma.motion.walking import walk_on
 
 # New ways that are tried where the one ahead is blocked.
 _TURNS = 64
@@ -24,8 +26,11 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, space: FreeS
     """Whole walks with these numbers, one after another: (walks * steps, 4, 4).
 
     Raises:
-        omma.Error: a walk has no free position to begin or to go on.
+        omma.Error: a walk has no free position to begin or to go on, or a track no ground.
     """
+    if poses.sampler == "track":
+        track = track_of(poses.file, poses.step_s)
+        return walk_on(space.world, track, height_m=poses.height_m[0], on=poses.on)
     begin = sample_poses(poses, seed, scene, walks, space)
     position = begin[:, :3, 3].copy()
     yaw = np.degrees(np.arctan2(-begin[:, 0, 2], begin[:, 2, 2]))

@@ -89,7 +89,7 @@ class Workshop:
         poses = self.job.poses[block.poses]
         with self._lock:
             _, space = self._world(scene, condition)
-        if poses.sampler != "walk":
+        if not poses.is_walk:
             return sample_poses(poses, self.job.seed, scene.name, numbers, space)
         found, first = self._walked(block, numbers)
         return found[numbers.start - first : numbers.stop - first]
@@ -98,7 +98,7 @@ class Workshop:
         """How heads move at the poses of a block with these numbers, ``made`` (P, 4, 4): linear
         (P, 3), m/s, and angular velocity (P, 3), rad/s, in the world's frame."""
         scene, poses = self.job.scenes[block.scene], self.job.poses[block.poses]
-        if poses.sampler != "walk":
+        if not poses.is_walk:
             return sample_velocities(poses, self.job.seed, scene.name, numbers, made)
         found, first = self._walked(block, numbers)
         linear, angular = walk_velocities(poses, found)

@@ -10,6 +10,7 @@ from dataclasses import replace
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import checked
+from omma.base.backend_names import without_ordinals
 from omma.base.files import PathLike, digests_of, reading
 from omma.base.progress import Stage
 from omma.base.said import (
@@ -28,7 +29,6 @@ from omma.job.reports import RenderReport
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
-from omma.scene.device_list import without_ordinals
 from omma.scene.light_words import words_of_before
 
 

@@ -14,12 +14,14 @@ import numpy as np
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import as_named
-from omma.base.files import metres_per_unit
+from omma.base.files import PathLike, metres_per_unit
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
 from omma.base.progress import Stage
 from omma.eye.files import load_eye
 from omma.job.outputs import output_names
 from omma.job.render_job import RenderJob
+from omma.motion.tracks import load_track
+from omma.motion.walking import walk_on
 from omma.picture.cameras import camera_eye
 from omma.rendering.settings import fixed_samples
 from omma.scene.backgrounds import parse_background
@@ -158,6 +160,14 @@ def _as_large(eye: Eye, node: Camera) -> Eye:
     return large
 
 
+def _walked(begun: Begun, path: PathLike, height_m: float) -> Matrices:
+    """Poses on the ground, in a world without light, as only distances are asked for."""
+    job, track = begun.job, load_track(path)
+    world = World(begun.scene, threads=job.threads, backend=job.backend, devices=tuple(job.devices))
+    with as_named(height_m="on_ground", instances="ground"):
+        return walk_on(world, track, height_m=height_m, on=job.ground_names)
+
+
 def _poses(begun: Begun) -> tuple[Matrices, str]:
     """Poses (P, 4, 4) and in words where they come from."""
     job, camera = begun.job, begun.camera
@@ -166,6 +176,8 @@ def _poses(begun: Begun) -> tuple[Matrices, str]:
         if not np.isfinite(matrices).all():
             raise Error("poses: expected finite numbers")
         return matrices, "poses that were given"
+    if job.path is not None and job.on_ground is not None:
+        return _walked(begun, job.path, job.on_ground), f"track {os.fsdecode(job.path)}"
     if job.path is not None:
         return load_poses(job.path), f"path {os.fsdecode(job.path)}"
     if job.position is not None and job.look_at is not None:

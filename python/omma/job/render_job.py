@@ -48,6 +48,8 @@ class RenderJob:
     position: ArrayLike | None = None
     look_at: ArrayLike | None = None
     path: PathLike | None = None
+    on_ground: float | None = None
+    ground: str | Sequence[str] = ()
     poses: ArrayLike | None = None
     scene_index: int | None = None
     scene_unit: str | float | None = None
@@ -74,6 +76,10 @@ class RenderJob:
             raise Error(f"{chosen[0]} and {chosen[1]}: only one of them can say where the head is")
         if self.resume and self.path is None:
             raise Error("resume: expected a path of poses")
+        if self.on_ground is not None and self.path is None:
+            raise Error("on_ground: expected a path, a track on the ground")
+        if self.ground and self.on_ground is None:
+            raise Error("ground: goes with on_ground, the height of the head above it")
         videos = [one for one in self.several_outputs if os.fsdecode(one).lower().endswith(".mp4")]
         if videos and self.projection is not None and self.projection.endswith("_ids"):
             raise Error(f"projection: a video shows responses, found {self.projection!r}")
@@ -89,6 +95,11 @@ class RenderJob:
     def eye_files(self) -> list[PathLike]:
         """One eye file or several, or none, as a list."""
         return _several(self.eyes)
+
+    @property
+    def ground_names(self) -> list[str]:
+        """One instance that is ground or several, or none, as a list."""
+        return [self.ground] if isinstance(self.ground, str) else list(self.ground)
 
     @property
     def head_is_at(self) -> str | None:
@@ -121,6 +132,8 @@ class JobOptions(Options, total=False):
     position: ArrayLike | None
     look_at: ArrayLike | None
     path: PathLike | None
+    on_ground: float | None
+    ground: str | Sequence[str]
     poses: ArrayLike | None
     scene_index: int | None
     scene_unit: str | float | None

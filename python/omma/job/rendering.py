@@ -74,6 +74,9 @@ def render_file(
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
             ``look_at`` it looks along -Z.
         path: instead, a CSV file of poses, see `load_poses`.
+        on_ground: of a head that walks: its height above the ground, m. ``path`` is then a track,
+            see `omma.motion.load_track` and `omma.motion.walk_on`.
+        ground: with it, a name or names of instances that are ground; none: everything is.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
         scene_unit, scene_up: of `.obj`, `.ply` and `.stl` files, ``unit`` and ``up`` of

@@ -18,11 +18,11 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error
+from omma.base.backend_names import without_ordinals
 from omma.base.files import PathLike, WholeFiles, digests_of
 from omma.base.said import is_number
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Settings, settings_as_record
-from omma.scene.device_list import without_ordinals
 
 
 class KeptRender:

@@ -66,6 +66,11 @@ class PanoramaView:
         expect(eye, Eye, "eye", "omma.load_eye gives one")
         if not 0 <= allow_missing <= 1:
             raise Error(f"allow_missing: expected 0 to 1, found {allow_missing}")
+        if not isinstance(layout, Layout):
+            raise TypeError(
+                "layout: expected Equirectangular, CubeFaces or Fisheye, found "
+                f"{type(layout).__name__} (omma.rendering has them)"
+            )
         self.layout = layout
         turned = _rotation(world_from_head)
         weights = _weights(eye, layout, turned)

@@ -1,10 +1,15 @@
 """How a picture of all that is around lies on the sphere: which way each of its pixels looks, and
-how much of the sphere it has."""
+how much of the sphere it has.
+
+Rows and columns count from the picture's upper left corner, and a pixel is 1 wide, so that its
+middle is at a half. Each layout has `pixels`, face, row and column of the middles of all pixels in
+their order, and `at`: unit vectors [..., 3], +X right, +Y up and -Z ahead, and the solid angle, sr,
+that a pixel has there; 0 where the picture shows nothing."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,23 +22,6 @@ Lens = Literal["equidistant", "equisolid", "stereographic", "orthographic"]
 
 _MOST_PIXELS = 1 << 15  # of a side
 FACES = ("ahead", "right", "back", "left", "up", "down")
-
-
-class Layout(Protocol):
-    """Where pixels are. Rows and columns count from the picture's upper left corner, where a pixel
-    is 1 wide; its middle is at a half."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Of a picture, without its bands."""
-
-    @property
-    def pixels(self) -> tuple[Floats, Floats, Floats]:
-        """Face, row and column of the middle of each pixel, in the order of the picture."""
-
-    def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
-        """Unit vectors [..., 3], +X right, +Y up and -Z ahead, and the solid angle, sr, that a
-        pixel has there; 0 where the picture shows nothing."""
 
 
 @value_class
@@ -63,9 +51,11 @@ class Equirectangular:
 
     @property
     def pixels(self) -> tuple[Floats, Floats, Floats]:
+        """Face, row and column of the middle of each pixel."""
         return _grid(1, self.height, self.width)
 
     def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
+        """Unit vectors [..., 3] and solid angles of a pixel, sr."""
         elevation = np.pi * (0.5 - row / self.height)
         azimuth = 2 * np.pi * (column / self.width - 0.5)
         across = np.cos(elevation)
@@ -101,9 +91,11 @@ class CubeFaces:
 
     @property
     def pixels(self) -> tuple[Floats, Floats, Floats]:
+        """Face, row and column of the middle of each pixel."""
         return _grid(6, self.size, self.size)
 
     def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
+        """Unit vectors [..., 3] and solid angles of a pixel, sr."""
         right, up = 2 * column / self.size - 1, 1 - 2 * row / self.size
         one = np.ones_like(right)
         # Of each face, in the order of FACES.
@@ -159,9 +151,11 @@ class Fisheye:
 
     @property
     def pixels(self) -> tuple[Floats, Floats, Floats]:
+        """Face, row and column of the middle of each pixel."""
         return _grid(1, self.height, self.width)
 
     def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
+        """Unit vectors [..., 3] and solid angles of a pixel, sr."""
         radius = (self.circle_px or min(self.height, self.width)) / 2
         right, up = (column - self.width / 2) / radius, (self.height / 2 - row) / radius
         r = np.hypot(right, up)
@@ -188,6 +182,8 @@ class Fisheye:
         solid_angle = np.where(inside, across / r * slope / radius**2, 0.0)
         return np.stack(ways, axis=-1), solid_angle
 
+
+Layout = Equirectangular | CubeFaces | Fisheye
 
 # The widest field of each law, degrees.
 _LENSES = {"equidistant": 360.0, "equisolid": 359.0, "stereographic": 300.0, "orthographic": 180.0}

@@ -17,10 +17,10 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error, Scene, __version__
+from omma.base.backend_names import without_ordinals
 from omma.base.directories import cache_folder
 from omma.base.files import WholeFiles, make_directory
 from omma.base.warn import warn_caller
-from omma.scene.device_list import without_ordinals
 
 # Of keys and files; raised where either changes.
 _FORMAT = 4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,12 +96,6 @@ def ordinals(devices: Iterable[int], name: str = "devices") -> tuple[int, ...]:
             f"{devices!r:.40}"
         )
     return tuple(whole(one, name, 0, 1 << 16) for one in devices)
-
-
-def without_ordinals(backend: str) -> str:
-    """What of a backend's name responses depend on: of cards the kinds, not which and how many."""
-    parts = re.split(r", (?=cuda:\d)", backend)
-    return ", ".join(sorted({re.sub(r"^cuda:\d+", "cuda", part) for part in parts}))
 
 
 def prepare_backend(

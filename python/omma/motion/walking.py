@@ -1,0 +1,258 @@
+"""Poses on the ground: where a body stands, by the ground under its legs, and along a track."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Scene
+from omma.base.arguments import array_of, checked, positive
+from omma.base.poses import Matrices, as_poses
+from omma.base.values import value_class
+from omma.base.warn import warn_caller
+from omma.motion.footing import Below, rounding_m, standing
+from omma.motion.ground_rays import Floats, first_below, ray_bundle, shoot, upright
+from omma.motion.tracks import Track, heading_along
+from omma.scene.world import World
+
+# What a body stands on, by default, in heights of its head: length and width.
+_STANCE = (3.0, 2.0)
+_MOST_NAMED = 5  # points that a message lists
+
+
+@checked
+def place_on(
+    ground: World | Scene,
+    xz_m: ArrayLike,
+    *,
+    height_m: float,
+    heading_deg: ArrayLike = 0.0,
+    legs_m: ArrayLike | None = None,
+    from_m: float | None = None,
+    on: Sequence[str] = (),
+) -> Matrices:
+    """Poses of heads on the ground: (P, 4, 4), ``world_from_head``, m.
+
+    At each point a body stands on the highest surface: its pitch and roll are those of the plane
+    through the ground under its legs (least squares), its yaw is the heading, and the head is
+    ``height_m`` above, along the plane's normal. Where the ground in the middle is higher than
+    that plane, the head is above the ground. Rays go straight down to find all that, with things
+    of a world where they are now; surfaces that face down and are single-sided are no ground.
+
+    A leg reaches up and down, from the ground in the middle, by twice the distance of the farthest
+    leg from it; one that finds no ground there, as over an edge, is left out. With fewer than three
+    legs on the ground, or all in a line, the body stands by the normal of the ground in the middle.
+    A hole that more than half of the legs stand around is bridged.
+
+    Args:
+        ground: a world, or a scene, of which a world is made: for many calls make it once.
+        xz_m: (P, 2) or (2,), m, where: the world's x and z, as +Y is up.
+        height_m: of the head above the ground.
+        heading_deg: (P,) or one for all, yaw: 0 looks along -Z, 90 along +X.
+        legs_m: where legs touch the ground, from below the head: (L, 2), m, to the right and
+            ahead, three or more; or (2,), length and width of a rectangle for six, at its corners
+            and the middles of its long sides. None: 3 ``height_m`` long and 2 wide.
+        from_m: the y below which ground is looked for, as under trees and roofs. None: from above
+            everything.
+        on: names of instances that are ground; all else is looked through. (): everything is.
+
+    Example:
+        >>> floor = omma.scene.plane((2, 2))
+        >>> pose = omma.motion.place_on(floor, (0.3, -0.2), height_m=0.003, heading_deg=90)
+        >>> pose[0, :3, 3].round(6).tolist()
+        [0.3, 0.003, -0.2]
+
+    Raises:
+        omma.Error: there is no ground below some points, which it names; a wrong shape, a number
+            that is not finite, no instance of such a name.
+
+    Warns:
+        UserWarning: how many legs found no ground, and at how many points fewer than three did.
+    """
+    height = positive(height_m, "height_m")
+    points = _points(xz_m)
+    heading = array_of(heading_deg, "heading_deg")
+    if heading.shape not in ((), (len(points),)) or not np.isfinite(heading).all():
+        raise Error(
+            f"heading_deg: expected one finite number or {len(points)}, found {heading!r:.60}"
+        )
+    legs = _legs(legs_m, height)
+    world = ground if isinstance(ground, World) else World(ground)
+    yaw = np.broadcast_to(np.radians(heading), len(points))
+    if len(points) == 0:
+        return np.empty((0, 4, 4))
+    below = Below(world, np.concatenate([[(0.0, 0.0)], legs]), from_m, on)
+    foot, normal, is_found = standing(below, points, yaw)
+    _tell(points, np.isfinite(foot), is_found)
+    return _poses(points, foot, normal, yaw, height)
+
+
+@checked
+def walk_on(
+    ground: World | Scene,
+    track: Track | ArrayLike,
+    *,
+    height_m: float,
+    legs_m: ArrayLike | None = None,
+    from_m: float | None = None,
+    on: Sequence[str] = (),
+) -> Matrices:
+    """Poses of a head that walks along a track over the ground: (P, 4, 4), m.
+
+    Each is that of `place_on`. Headings are the track's own; without, along it, by the chord of as
+    much of the track as the legs are apart, so that corners are turned smoothly.
+
+    Args:
+        track: a `Track`, as `load_track` reads it, or (P, 2), m, the world's x and z.
+        ground, height_m, legs_m, from_m, on: as of `place_on`.
+
+    Example:
+        >>> track = omma.motion.Track([(0, 0), (0, -1)]).at_speed(0.1, step_s=0.5)
+        >>> poses = omma.motion.walk_on(omma.scene.plane((4, 4)), track, height_m=0.003)
+        >>> poses.shape
+        (21, 4, 4)
+
+    Raises:
+        omma.Error: what `place_on` raises; a track that goes nowhere, without headings.
+
+    Warns:
+        UserWarning: as `place_on`.
+    """
+    given = track if isinstance(track, Track) else Track(array_of(track, "track"))
+    heading = given.heading_deg
+    if heading is None:
+        ahead = _legs(legs_m, positive(height_m, "height_m"))[:, 1]
+        heading = heading_along(given.xz_m, float(np.ptp(ahead)))
+    return place_on(
+        ground, given.xz_m, height_m=height_m, heading_deg=heading, legs_m=legs_m, from_m=from_m,
+        on=on,
+    )  # fmt: skip
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class GroundAt:
+    """What heads have under and ahead of them, as `ground_at` found it."""
+
+    height_m: Floats
+    """(P,), of the head above the ground straight below it."""
+    slope_deg: Floats
+    """(P,), of that ground: 0 is level, 90 a wall."""
+    climb_deg: Floats
+    """(P,), of that ground along the heading: above 0 uphill."""
+    ahead_m: Floats
+    """(P,), from the head to the first surface straight ahead of it, where the head looks;
+    infinite where nothing is."""
+
+
+@checked
+def ground_at(
+    ground: World | Scene,
+    poses: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    on: Sequence[str] = (),
+) -> GroundAt:
+    """The slope of the ground below heads, and how far it is to what is ahead.
+
+    By one ray straight down and one straight ahead, from each head.
+
+    Args:
+        ground: a world, or a scene, of which a world is made.
+        poses: (P, 4, 4), or (positions (P, 3), quaternions (P, 4)).
+        on: names of instances that are ground, as of `place_on`. Ahead of heads everything counts.
+
+    Example:
+        >>> room = omma.scene.merge_scenes([omma.scene.plane((9, 9)), omma.scene.box((1, 1, 1))])
+        >>> there = omma.motion.ground_at(room, omma.look_at((0, 0.2, 2), (0, 0.2, 0)))
+        >>> there.height_m.round(3).tolist(), there.ahead_m.round(3).tolist()
+        ([0.2], [1.5])
+
+    Raises:
+        omma.Error: there is no ground below some heads, which it names; poses that are none.
+    """
+    heads = as_poses(poses)
+    world = ground if isinstance(ground, World) else World(ground)
+    if len(heads) == 0:
+        return GroundAt(*np.empty((4, 0)))
+    start = heads[:, :3, 3]
+    down, step = ray_bundle(world, [[0, -1, 0]]), rounding_m(world, start)
+    met, normal = first_below(down, start, step, on)
+    height = start[:, 1] - met
+    _tell(start[:, [0, 2]], np.isfinite(height), np.ones((len(heads), 0), np.bool_))
+    forward = -heads[:, :3, 2]
+    level = np.hypot(forward[:, 0], forward[:, 2])
+    rise = -(normal[:, [0, 2]] * forward[:, [0, 2]]).sum(axis=1)
+    return GroundAt(
+        height,
+        np.degrees(np.arctan2(np.hypot(normal[:, 0], normal[:, 2]), normal[:, 1])),
+        np.degrees(np.arctan2(rise, normal[:, 1] * level)),
+        shoot(ray_bundle(world, [[0, 0, -1]]), heads).distance_m[:, 0],
+    )
+
+
+def _poses(points: Floats, foot: Floats, normal: Floats, yaw: Floats, height_m: float) -> Matrices:
+    up = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    forward = np.column_stack([np.sin(yaw), np.zeros(len(yaw)), -np.cos(yaw)])
+    forward[:, 1] = -(up * forward).sum(axis=1) / up[:, 1]  # along the plane, by the same azimuth
+    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
+    poses = upright(np.column_stack([points[:, 0], foot, points[:, 1]]) + height_m * up)
+    poses[:, :3, 0], poses[:, :3, 1], poses[:, :3, 2] = np.cross(forward, up), up, -forward
+    return poses
+
+
+def _points(xz_m: ArrayLike) -> Floats:
+    given = array_of(xz_m, "xz_m")
+    points = given[None] if given.ndim == 1 else given
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise Error(f"xz_m: expected shape (P, 2) or (2,), found {given.shape}")
+    if not np.isfinite(points).all():
+        bad = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
+        raise Error(f"xz_m: expected finite numbers, found {points[bad].tolist()} in row {bad}")
+    return points
+
+
+def _legs(legs_m: ArrayLike | None, height_m: float) -> Floats:
+    """(L, 2), m, to the right and ahead."""
+    given = height_m * np.array(_STANCE) if legs_m is None else array_of(legs_m, "legs_m")
+    if not np.isfinite(given).all():
+        raise Error(f"legs_m: expected finite numbers, found {given.tolist()}")
+    if given.shape == (2,):
+        if not (given > 0).all():
+            raise Error(f"legs_m: expected a length and a width above 0, found {given.tolist()}")
+        ahead, right = given / 2
+        return np.array([(s * right, a) for s in (-1, 1) for a in (ahead, 0.0, -ahead)])
+    if given.ndim != 2 or given.shape[1] != 2 or len(given) < 3:
+        raise Error(
+            "legs_m: expected (length, width), or (L, 2), to the right and ahead, with three legs "
+            f"or more, found shape {given.shape}"
+        )
+    apart = given - given.mean(axis=0)
+    if np.linalg.matrix_rank(apart, 1e-3 * np.abs(apart).max()) < 2:
+        raise Error("legs_m: expected legs that are not all in a line")
+    return given
+
+
+def _tell(points: Floats, is_there: NDArray[np.bool_], legs: NDArray[np.bool_]) -> None:
+    """omma.Error where points (P, 2) have no ground, a warning where legs (P, L) have none."""
+    missing = np.flatnonzero(~is_there)
+    if len(missing):
+        named = ", ".join(
+            f"{k} (x {points[k, 0]:.10g}, z {points[k, 1]:.10g})" for k in missing[:_MOST_NAMED]
+        )
+        more = "" if len(missing) <= _MOST_NAMED else f" and {len(missing) - _MOST_NAMED} more"
+        raise Error(
+            f"no ground below {len(missing)} of {len(points)} points: {named}{more}; "
+            "single-sided surfaces that face down are not seen from above"
+        )
+    without = int((~legs).sum())
+    if without:
+        few, some = int((legs.sum(axis=1) < 3).sum()), int((~legs).any(axis=1).sum())
+        warn_caller(
+            f"{without} of {legs.size} legs reach no ground, at {some} of {len(points)} points, "
+            f"and were left out; at {few} fewer than three do, where bodies stand by the normal of "
+            "the ground in the middle",
+            UserWarning,
+        )

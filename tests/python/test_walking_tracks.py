@@ -1,0 +1,142 @@
+"""Tracks on the ground: headings, times, files; renders, data sets and closed loops along them."""
+
+import numpy as np
+import pytest
+from dataset_jobs import write_job
+from test_walking import FLOOR, angles_deg
+
+import omma
+from omma import scene as solids
+from omma.motion import Track, ground_at, load_track, place_on, walk_on
+
+
+def test_headings_along_a_track():
+    turn = np.linspace(0, np.pi, 200)
+    arc = np.column_stack([1 - np.cos(turn), -np.sin(turn)])  # to the right, from looking along -Z
+    yaw = angles_deg(walk_on(FLOOR, arc, height_m=0.01))[0]
+    np.testing.assert_allclose(yaw[3:-3], np.degrees(turn)[3:-3], atol=0.5)
+    corner = Track(np.array([(0, 0), (0, -1), (1, -1)])).at_speed(0.01, step_s=1)
+    yaw = angles_deg(walk_on(FLOOR, corner, height_m=0.02))[0]
+    assert yaw[50] == pytest.approx(0)
+    assert yaw[100] == pytest.approx(45, abs=1e-6)
+    assert yaw[150] == pytest.approx(90)
+    assert np.abs(np.diff(yaw)).max() < 45
+    still = np.array([(0, 0), (0, 0), (1, 0), (1, 0)])
+    yaw = angles_deg(walk_on(FLOOR, still, height_m=0.01))[0]
+    np.testing.assert_allclose(yaw, 90, atol=1e-9)
+    with pytest.raises(omma.Error, match="positions that differ"):
+        walk_on(FLOOR, still[:2], height_m=0.01)
+    told = Track(still[:2], heading_deg=np.array([10.0, 20.0]))
+    yaw = angles_deg(walk_on(FLOOR, told, height_m=0.01))[0]
+    np.testing.assert_allclose(yaw, [10, 20], atol=1e-9)
+
+
+def test_tracks_in_time():
+    track = Track(
+        np.array([(0, 0), (0, -1), (2, -1)]), np.array([170.0, -170.0, -150.0]), np.array([1, 2, 4])
+    )
+    even = track.every(0.5)
+    np.testing.assert_allclose(even.times_s, np.arange(1, 4.1, 0.5))
+    np.testing.assert_allclose(even.xz_m[[1, 3]], [(0, -0.5), (0.5, -1)])
+    np.testing.assert_allclose(even.heading_deg[1], 180)
+    steady = track.at_speed(0.3, step_s=0.1)
+    np.testing.assert_allclose(np.abs(np.diff(steady.xz_m, axis=0)).sum(axis=1), 0.03)
+    assert len(steady.xz_m) == 101
+    with pytest.raises(omma.Error, match="times_s: expected a track with times"):
+        Track(track.xz_m).every(0.1)
+    with pytest.raises(omma.Error, match="times that grow, found 1 in row 1"):
+        Track(track.xz_m, times_s=np.array([1, 1, 2]))
+
+
+def test_files_of_tracks(tmp_path):
+    path = tmp_path / "track.csv"
+    path.write_text("t_s,x_m,z_m,heading_deg\n# an ant\n0,0,0,10\n\n0.5,0.1,-0.2,20\n")
+    track = load_track(path)
+    np.testing.assert_array_equal(track.xz_m, [(0, 0), (0.1, -0.2)])
+    np.testing.assert_array_equal(track.heading_deg, [10, 20])
+    np.testing.assert_array_equal(track.times_s, [0, 0.5])
+    path.write_text("x_m,z_m\n1,2\n")
+    assert load_track(path) == Track(np.array([(1.0, 2.0)]))
+    for text, match in (
+        ("x,y\n1,2\n", r"line 1: expected a header line t_s,x_m,z_m or .*x_m,z_m,heading_deg"),
+        ("x_m,z_m\n1\n", "line 2: expected 2 numbers"),
+        ("x_m,z_m\n1,a\n", "line 2, column z_m: expected a finite number"),
+        ("x_m,z_m\n", "holds no position"),
+        ("t_s,x_m,z_m\n1,0,0\n1,0,1\n", r"track\.csv: times_s: expected times that grow"),
+    ):
+        path.write_text(text)
+        with pytest.raises(omma.Error, match=match):
+            load_track(path)
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A meadow's path, an eye and a track."""
+    hill = solids.place_scene(FLOOR, omma.poses_from_angles((0, 0, 0), (0, 10, 0))[0])
+    roof = solids.plane((20, 20), center_m=(0, 9, 0), name="roof")
+    omma.scene.save_scene(tmp_path / "hill.glb", solids.merge_scenes([hill, roof]))
+    omma.save_eye(tmp_path / "ant.eye", omma.eye.generate_eye(50))
+    (tmp_path / "track.csv").write_text("x_m,z_m\n0,0\n0.5,-0.5\n1,-0.5\n")
+    return tmp_path
+
+
+def test_renders_along_a_track(files, run_omma):
+    scene, eye, track = (files / name for name in ("hill.glb", "ant.eye", "track.csv"))
+    run_omma(
+        "render", scene, "--eye", eye, "--path", track, "--on-ground", "0.003",
+        "--ground", "floor", "-o", files / "walk.npy",
+    )  # fmt: skip
+    world = omma.World(omma.load_scene(scene))
+    poses = walk_on(world, load_track(track), height_m=0.003, on=["floor"])
+    expected = omma.Renderer(world, omma.load_eye(eye), omma.Fixed(16)).render(poses)
+    np.testing.assert_array_equal(np.load(files / "walk.npy"), expected)
+    assert poses[:, 1, 3].max() < 1
+    for match, asked in (
+        ("on_ground: expected a path", {"on_ground": 0.1}),
+        ("ground: goes with on_ground", {"path": track, "ground": ["floor"]}),
+        ("on_ground: expected a number above 0", {"path": track, "on_ground": 0.0}),
+        ("header line t_s,x_m,z_m", {"path": omma.examples.flight(), "on_ground": 0.1}),
+    ):
+        with pytest.raises(omma.Error, match=match):
+            omma.render_file(scene, files / "no.npy", eyes=eye, **asked)
+
+
+def test_data_sets_along_a_track(files):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    lines = [f"{0.1 * k},0,{-0.01 * k}" for k in range(11)]
+    (files / "timed.csv").write_text("\n".join(["t_s,x_m,z_m", *lines]))
+    poses = '[[poses]]\nsampler = "track"\nfile = "timed.csv"\nheight_m = 0.003\nstep_s = 0.05\n'
+    job = write_job(files, dataset='outputs = ["flow"]', poses=poses)
+    omma.datasets.run(job)
+    data = xarray.open_zarr(files / "job.zarr")
+    made = data.world_from_head.values
+    track = load_track(files / "timed.csv").every(0.05)
+    scene = omma.load_scene(files / "scene.gltf")
+    np.testing.assert_array_equal(made, walk_on(scene, track, height_m=0.003))
+    assert len(made) == 21
+    linear, _ = omma.velocities_from_poses(made, track.times_s)
+    np.testing.assert_allclose(data.head_velocity, linear, atol=1e-9)
+
+
+def test_a_closed_loop_on_the_ground():
+    spaces = pytest.importorskip("gymnasium").spaces
+    hill = solids.place_scene(FLOOR, omma.poses_from_angles((0, 0, 0), (0, 20, 0))[0])
+    world = omma.World(hill)
+
+    def pose_of(z):
+        return z, place_on(world, (0, z), height_m=0.01)[0]
+
+    loop = omma.gym.Loop(
+        omma.Renderer(world, omma.eye.generate_eye(30), omma.Fixed(1)),
+        lambda rng: pose_of(1.0),
+        lambda z, action, rng: pose_of(z - action[0]),
+        reward=lambda moment: ground_at(world, moment.pose).climb_deg[0],
+        action_space=spaces.Box(0, 1, (1,), np.float32),
+        most_steps=5,
+    )
+    env = omma.gym.eye_env(loop)
+    env.reset(seed=1)
+    _, reward, _, _, info = env.step(np.array([0.5], np.float32))
+    assert reward == pytest.approx(20, abs=1e-4)
+    np.testing.assert_array_equal(info["pose"], pose_of(0.5)[1])
