@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from omma._core import Acceptance, Background, Error, Eye
 from omma.base.arguments import array_of, checked, expect
+from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
 from omma.base.poses import as_poses
 from omma.rendering.picture_layouts import Equirectangular, Layout
@@ -300,7 +301,7 @@ def _half_diagonal_rad(layout: Layout, middles: list[Floats], ways: Floats) -> F
             corner, solid_angle = layout.at(face, row + down, column + along)
             across = np.linalg.norm(corner - ways, axis=1)
             chord = np.maximum(chord, np.where(solid_angle > 0, across, 0))
-    return np.asarray(2 * np.arcsin(np.clip(chord / 2, 1e-9, 1)))
+    return np.maximum(angle_of_chord(chord), 1e-9)
 
 
 def _part_rad(acceptance: Acceptance) -> float:

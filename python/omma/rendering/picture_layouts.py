@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.arguments import one_of, whole, within
+from omma.base.directions import angle_of_chord
 from omma.base.values import value_class
 
 Floats = NDArray[np.float64]
@@ -167,7 +168,7 @@ class Fisheye:
             theta, slope = r * rim, np.full_like(r, rim)
         elif self.lens == "equisolid":
             edge = np.sin(rim / 2)
-            theta = 2 * np.arcsin(r * edge)
+            theta = angle_of_chord(2 * r * edge)
             slope = 2 * edge / np.sqrt(1 - (r * edge) ** 2)
         elif self.lens == "stereographic":
             edge = np.tan(rim / 2)
