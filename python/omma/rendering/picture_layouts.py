@@ -176,8 +176,8 @@ class Fisheye:
             slope = 2 * edge / (1 + (r * edge) ** 2)
         else:
             edge = np.sin(rim)
-            theta = np.arcsin(np.minimum(r * edge, 1))
-            slope = edge / np.sqrt(np.maximum(1 - (r * edge) ** 2, 1e-12))
+            cosine = np.sqrt(np.maximum(1 - (r * edge) ** 2, 1e-12))
+            theta, slope = np.arctan2(r * edge, cosine), edge / cosine
         across = np.sin(theta)
         ways = [across * right / r, across * up / r, -np.cos(theta)]
         solid_angle = np.where(inside, across / r * slope / radius**2, 0.0)
