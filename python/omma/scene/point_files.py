@@ -157,15 +157,16 @@ def _open_text(path: str) -> PointFile:
         first = file.read(1 << 16).splitlines()
     begin, names = 0, ""
     for line in first:
-        words = _words(line)
         # Comments, and the number of points with which .pts files begin, are passed over.
-        if words and not line.lstrip().startswith((b"#", b"/")) and len(words) > 1:
-            names = _UNNAMED.get(len(words), "")
+        words = _words(line.lstrip(b"#/ "))
+        if words[:1] in (["x"], ["X"]):
+            names = " ".join(words).lower()
+        elif len(words) > 1 and not line.lstrip().startswith((b"#", b"/")):
             if not _is_number(words[0]):
                 names, begin = " ".join(words).lower(), begin + len(line) + 1
+            elif len(words) != len(names.split()):
+                names = _UNNAMED.get(len(words), "")
             break
-        if words and len(words) > 3 and _words(line.lstrip(b"#/ "))[0].lower() == "x":
-            names = " ".join(_words(line.lstrip(b"#/ "))).lower()
         begin += len(line) + 1
     columns = names.split()
     if not {"x", "y", "z"} <= set(columns):
@@ -311,7 +312,7 @@ def _las_unit(header: Any) -> str:
 
 
 def _open_e57(path: str) -> PointFile:
-    pye57 = needs("pye57", "points", "E57 files need pye57")
+    pye57 = needs("pye57", "e57", "E57 files need pye57")
     with pye57.E57(path) as file:
         headers = [file.get_header(i) for i in range(file.scan_count)]
         counts = [header.point_count for header in headers]

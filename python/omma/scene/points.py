@@ -77,7 +77,7 @@ class PointCloud:
                 exact, offset = exact - middle, offset + middle
         count = len(exact)
         made: dict[str, Any] = {
-            "positions_m": exact.astype(np.float32),
+            "positions_m": exact.astype(np.float32, copy=False),
             "offset_m": offset,
             "colors": _finite(colors, "colors", (count, 3)),
             "intensity": _finite(intensity, "intensity", (count,)),
@@ -90,7 +90,8 @@ class PointCloud:
             raise Error("colors: expected linear colours of 0 or more")
         for name, value in made.items():
             if isinstance(value, np.ndarray):
-                value = value.view()
+                # What others could write to is copied, not the many points of a file.
+                value = value.copy() if value.flags.writeable else value
                 value.flags.writeable = False
             object.__setattr__(self, name, value)
 
@@ -120,7 +121,7 @@ def load_points(
 ) -> PointCloud:
     """Read the points of a `.ply`, `.las`, `.laz`, `.e57` or text file.
 
-    LAS and LAZ need laspy, E57 needs pye57 (`pip install 'omma[points]'`). A file is read in
+    LAS and LAZ need laspy (`pip install 'omma[points]'`), E57 pye57 (`'omma[e57]'`). A file is read in
     pieces, and thinned on the way, so that memory is needed for what is kept only. Text files
     (`.xyz`, `.pts`, `.txt`, `.csv`) name their columns in the first line (x, y, z, red, green,
     blue, intensity, nx, ny, nz, classification), or have 3 (x y z), 4 (and intensity), 6 (and red
@@ -182,7 +183,8 @@ class Sieve:
         start = -self.read % self.every
         self.read += len(piece.positions)
         world = self.world_from_file
-        positions = piece.positions[start :: self.every] @ world[:3, :3].T
+        with np.errstate(invalid="ignore"):
+            positions = piece.positions[start :: self.every] @ world[:3, :3].T
         given = {"colors": piece.colors, "intensity": piece.intensity, "normals": piece.normals}
         rows = {
             name: np.asarray(one[start :: self.every], np.float32)
@@ -226,6 +228,8 @@ def read_points(
         if found is not None:
             break
     columns = found.columns() if found is not None else {}
+    for one in columns.values():
+        one.flags.writeable = False
     offset = sieve.offset_m
     if offset is None:
         raise Error(f"{file.path}: expected points, found none of {sieve.read:,} that can be used")

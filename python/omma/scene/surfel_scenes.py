@@ -29,7 +29,7 @@ Floats32 = NDArray[np.float32]
 # neighbours are off by some degrees where a surface bends or measurements scatter.
 OVERLAP = 1.1
 # Memory at most while a scene is made and a world of it, measured (docs/scenes.md).
-BYTES_PER_SURFEL = 600
+BYTES_PER_SURFEL = 400
 # Of a mesh: what is copied into the engine at once.
 _PIECE = 1 << 20
 # Without colours and intensities.
