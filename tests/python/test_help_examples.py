@@ -84,6 +84,7 @@ def named_files(tmp_path_factory):
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
+    (folder / "forest.xyz").write_text("0 0 0\n0 0 1\n1 0 0\n")
     (folder / "moved").mkdir()
     for name in ("arena.gltf", "bee.eye"):
         shutil.copy(folder / name, folder / "moved")

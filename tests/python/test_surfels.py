@@ -256,6 +256,29 @@ def test_few_points_and_points_on_each_other():
         surfels(PointCloud(np.ones((50, 3))))
 
 
+def test_progress_is_told_and_ends_the_work(plane_cloud, tmp_path):
+    heard = []
+    surfels(plane_cloud, progress=heard.append)
+    assert heard == sorted(heard)
+    assert heard[-1] == 1
+    assert len(heard) > 5
+
+    def stop(done):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        surfels(plane_cloud, progress=stop)
+    path = write_ply(
+        tmp_path / "a.ply",
+        {axis: ("float", plane_points(0.02)[:, k]) for k, axis in enumerate("xyz")},
+    )
+    heard.clear()
+    with pytest.warns(UserWarning, match="grey"):
+        omma.load_scene(path, progress=heard.append)
+    assert heard == sorted(heard)
+    assert heard[-1] == 1
+
+
 def test_points_in_a_line_are_told():
     places = np.zeros((500, 3))
     places[:, 0] = RNG.uniform(0, 1, 500)
@@ -302,7 +325,7 @@ def test_files_of_points_are_scenes(tmp_path, run_omma):
     with pytest.warns(UserWarning, match="grey"):
         assert omma.load_scene(cloud_file, unit="mm").triangle_count > 0
     out = tmp_path / "a.npy"
-    where = ("--position", 4e5, 100.02, -5e6, "--look-at", 4e5, 100, -5e6)
+    where = ("--position", 4e5, 100.02, -5e6, "--look-at", 4e5, 100, -5e6 - 0.01)
     code, _, told = run_omma("render", path, "--eye", eye_file(tmp_path), *where, "--output", out)
     assert code == 0, told
     assert "intensities are seen" in told

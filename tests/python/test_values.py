@@ -168,7 +168,7 @@ def examples(files, tmp_path_factory):
         "scene.Material": omma.scene.Material("paper", unlit=True),
         "scene.MaterialFact": omma.scene.natural_materials()["sand"].facts[0],
         "scene.Mesh": omma.scene.Mesh(*TRIANGLE),
-        "scene.PointCloud": omma.scene.PointCloud([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], labels=[2, 3]),
+        "scene.PointCloud": omma.scene.PointCloud([[1.0, 2.0, 3.0]], labels=[2]),
         "scene.PunctualLight": omma.scene.PunctualLight("lamp", type="spot"),
         "scene.NaturalMaterial": omma.scene.natural_materials()["grass blade"],
         "scene.Texture": omma.scene.Texture(0),

@@ -29,7 +29,7 @@ What an eye is like as an eye is measured by **omma eye info**.
 
 `omma info scan.stl --unit mm --up z`
 
-`omma info forest.laz`
+`omma info forest.xyz`
 
 `omma info flight.npy`
 

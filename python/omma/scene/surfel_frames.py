@@ -9,6 +9,7 @@ tangent planes meet where its cells do, and hold likewise.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -55,7 +56,10 @@ def distinct(positions: Floats32) -> NDArray[np.intp] | None:
 
 
 def frames_of(
-    positions: Floats32, normals: Floats32 | None, scanners: NDArray[np.float64] | None
+    positions: Floats32,
+    normals: Floats32 | None,
+    scanners: NDArray[np.float64] | None,
+    progress: Callable[[float], object] | None = None,
 ) -> Frames:
     """Frames of points none of which lies on another."""
     from scipy.spatial import cKDTree
@@ -91,8 +95,15 @@ def frames_of(
         return lines, short
 
     with ThreadPoolExecutor() as pool:  # what each works on is done by NumPy and SciPy
-        counted = list(pool.map(fill, range(0, count, _BLOCK)))
-    made.in_a_line, made.without_length = (sum(one) for one in zip(*counted))
+        try:
+            for done, (lines, short) in enumerate(pool.map(fill, range(0, count, _BLOCK)), 1):
+                made.in_a_line += lines
+                made.without_length += short
+                if progress is not None:
+                    progress(min(done * _BLOCK / count, 1.0))
+        except BaseException:  # Ctrl-C does not wait for the blocks that have not begun
+            pool.shutdown(cancel_futures=True)
+            raise
     # A point off the surface has neighbours far away, which are near each other: no disc spans
     # farther than they do.
     for start in range(0, count, _BLOCK):

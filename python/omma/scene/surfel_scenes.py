@@ -32,6 +32,8 @@ OVERLAP = 1.1
 BYTES_PER_SURFEL = 400
 # Of a mesh: what is copied into the engine at once.
 _PIECE = 1 << 20
+# Of the time from a file to a scene: the share of reading.
+_READING = 0.05
 # Without colours and intensities.
 _GREY = 0.5
 # Intensities have no unit: this share of them is below a reflectance of 1.
@@ -50,6 +52,7 @@ def surfels(
     normals: ArrayLike | None = None,
     materials: Mapping[int, str | Material] | None = None,
     name: str = "points",
+    progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """A scene in which each point of a cloud is a disc, seen from both sides.
 
@@ -66,6 +69,8 @@ def surfels(
         materials: by label, the name of a natural material (`natural_materials`) or a material of
             your own, which is seen in place of the points' colours: ``{2: "dark soil"}``.
         name: of the instances, by which they move in a world.
+        progress: called with the finished share (0 to 1) a few times a second. What it raises ends
+            the work and is raised here.
 
     Example:
         >>> rng = np.random.default_rng(1)
@@ -82,7 +87,7 @@ def surfels(
         UserWarning: labels without a material, by number, which keep their colours; what there are
             no colours of; normals of no length; points in lines, of which no normal can be told.
     """
-    scene, told = make_surfels(cloud, radius_m, overlap, normals, materials, name)
+    scene, told = make_surfels(cloud, radius_m, overlap, normals, materials, name, progress)
     for sentence in told:
         warn_caller(f"{cloud.path or 'surfels'}: {sentence}", UserWarning)
     return scene
@@ -95,6 +100,7 @@ def make_surfels(
     normals: ArrayLike | None = None,
     materials: Mapping[int, str | Material] | None = None,
     name: str = "points",
+    progress: Callable[[float], object] | None = None,
 ) -> tuple[Scene, list[str]]:
     """As `surfels`, with what there is to warn of."""
     positive(overlap, "overlap")
@@ -106,7 +112,7 @@ def make_surfels(
     if (kept := distinct(cloud.positions_m[order])) is not None:
         told.append(f"{len(order) - len(kept):,} points are left out, as they lie on others")
         order = order[kept]
-    frames = _frames(cloud, order, normals, radius_m, told)
+    frames = _frames(cloud, order, (normals, radius_m), told, progress)
     if radius_m is None:
         frames.radius_m *= np.float32(overlap)
     looks = _looks(cloud, materials, told)
@@ -132,6 +138,13 @@ def make_surfels(
     return Scene(meshes=meshes, instances=instances, materials=materials_of), told
 
 
+def _piece(
+    progress: Callable[[float], object] | None, begin: float, end: float
+) -> Callable[[float], object] | None:
+    """Who is told that work has begun and ended when a piece of it has."""
+    return None if progress is None else lambda done: progress(begin + done * (end - begin))
+
+
 def load_surfels(
     path: str,
     unit: str | float,
@@ -140,8 +153,9 @@ def load_surfels(
 ) -> Scene:
     """The scene of a file of points; what of it was passed over is in its warnings."""
     try:
-        cloud, told = read_points(Sieve(open_points(path), unit, up), progress)
-        scene, more = make_surfels(cloud, name=os.path.basename(path))
+        cloud, told = read_points(Sieve(open_points(path), unit, up), _piece(progress, 0, _READING))
+        rest = _piece(progress, _READING, 1)
+        scene, more = make_surfels(cloud, name=os.path.basename(path), progress=rest)
     except MemoryError:
         raise Error(f"{path}: it takes more memory than there is") from None
     except Error as error:
@@ -152,12 +166,13 @@ def load_surfels(
 def _frames(
     cloud: PointCloud,
     order: NDArray[np.intp],
-    normals: ArrayLike | None,
-    radius_m: float | ArrayLike | None,
+    wanted: tuple[ArrayLike | None, float | ArrayLike | None],
     told: list[str],
+    progress: Callable[[float], object] | None,
 ) -> Frames:
-    """Normals and radii of the points in that order."""
+    """Normals and radii of the points in that order, those ``wanted`` or from neighbours."""
     count = len(cloud)
+    normals, radius_m = wanted
     given = cloud.normals
     if normals is not None:
         given = array_of(normals, "normals", (count, 3), np.float32)
@@ -165,18 +180,15 @@ def _frames(
             raise Error("normals: expected finite numbers")
     radius: Floats32 | None = None
     if radius_m is not None:
-        radius = (
-            np.broadcast_to(array_of(radius_m, "radius_m", dtype=np.float32), (count,))[order]
-            if np.ndim(radius_m) == 0
-            else array_of(radius_m, "radius_m", (count,), np.float32)[order]
-        )
+        one_each = np.full(count, radius_m) if np.ndim(radius_m) == 0 else radius_m
+        radius = array_of(one_each, "radius_m", (count,), np.float32)[order]
         if not (np.isfinite(radius) & (radius > 0)).all():
             raise Error("radius_m: expected numbers above 0")
     given = None if given is None else given[order]
     if given is not None and radius is not None and given.any(axis=1).all():
         length = np.linalg.norm(given.astype(np.float64), axis=1, keepdims=True)
         return Frames((given / length).astype(np.float32), radius, 0, 0)
-    frames = frames_of(cloud.positions_m[order], given, cloud.scanners_m)
+    frames = frames_of(cloud.positions_m[order], given, cloud.scanners_m, progress)
     if radius is not None:
         frames.radius_m = radius.copy()
     if frames.without_length:
