@@ -203,6 +203,10 @@ def test_surveys_keep_their_millimetres(tmp_path):
     far = PLACES.astype(float).round(4) + (431234, 5412345, 250)
     cloud = load_points(write_las(tmp_path / "a.las", far))
     assert cloud.positions_m + cloud.offset_m == pytest.approx(turned(far), abs=2e-5)
+    small = far * 1e-6  # of which whole metres would not do as an offset
+    columns = {axis: ("double", small[:, k]) for k, axis in enumerate("xyz")}
+    cloud = load_points(write_ply(tmp_path / "a.ply", columns))
+    assert cloud.positions_m + cloud.offset_m == pytest.approx(small, abs=1e-12)
     assert PointCloud(far).positions_m + PointCloud(far).offset_m == pytest.approx(far, abs=2e-6)
 
 

@@ -204,7 +204,7 @@ class Sieve:
         if len(positions) and self.offset_m is None:
             low, high = positions.min(axis=0), positions.max(axis=0)
             is_far = np.abs(low + high).max() > _FAR * (high - low).max()
-            self.offset_m = np.round((low + high) / 2) if is_far else np.zeros(3)
+            self.offset_m = (low + high) / 2 if is_far else np.zeros(3)
         if self.offset_m is not None:
             positions = positions - self.offset_m
         if "colors" in rows:
