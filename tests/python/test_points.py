@@ -271,7 +271,7 @@ def test_files_that_are_cut_off(tmp_path, cut):
         ("a.xyz", "1 2 3\n4 five 6\n", "expected 3 numbers in each of the lines from point 0"),
         ("a.xyz", "1 2 3\n4 5\n", "expected 3 numbers"),
         ("a.xyz", "nan nan nan\n", "expected points, found none of 1 that can be used"),
-        ("a.las", "LASF", "cannot be read as points"),
+        ("a.las", "LASF", "expected a file that begins with LASF and a header"),
         ("a.e57", "none", "cannot be read as points"),
         ("a.ply", "ply\nformat ascii 1.0\nelement face 0\nend_header\n", "expected vertices"),
         ("a.dat", "", "expected a name ending in"),
@@ -285,6 +285,14 @@ def test_what_is_no_file_of_points(tmp_path, name, text, words):
     with pytest.raises(omma.Error, match=words) as told:
         load_points(tmp_path / name)
     assert name in str(told.value)
+
+
+def test_a_las_file_that_claims_too_many_records_is_not_waited_for(tmp_path):
+    made = bytearray(write_las(tmp_path / "a.las").read_bytes())
+    made[100:104] = b"\xff\xff\xff\xff"
+    (tmp_path / "a.las").write_bytes(made)
+    with pytest.raises(omma.Error, match="expected as many records as its header says"):
+        load_points(tmp_path / "a.las")
 
 
 def test_more_than_fits_is_refused_before_it_is_read(tmp_path, monkeypatch):

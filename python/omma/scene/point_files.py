@@ -16,6 +16,7 @@ from omma._core import Error
 from omma.base.files import reading
 from omma.base.optional import needs
 from omma.base.ply_header import LONGEST_HEADER, PlyElement, read_header
+from omma.scene.las_heads import check_las_head, las_unit, reading_las
 
 Floats = NDArray[np.float64]
 
@@ -250,17 +251,18 @@ def _piece(path: str, columns: dict[str, NDArray[Any]]) -> Piece:
 
 def _open_las(path: str) -> PointFile:
     laspy = needs("laspy", "points", "LAS and LAZ files need laspy")
-    with laspy.open(path) as reader:
+    check_las_head(path)
+    with reading_las(path), laspy.open(path) as reader:
         header = reader.header
         dimensions = set(header.point_format.dimension_names)
     made = PointFile(path, "LAS", int(header.point_count), lambda: iter(()), (255.0, 65535.0))
     made.bounds = np.array([header.mins, header.maxs], np.float64)
-    made.unit = _las_unit(header)
+    made.unit = las_unit(header)
 
     def pieces() -> Iterator[Piece]:
         made.left_out.clear()
         rows = 0
-        with reading(path, "LAS"), laspy.open(path) as reader:
+        with reading_las(path), laspy.open(path) as reader:
             for some in reader.chunk_iterator(PIECE):
                 rows += len(some)
                 yield _las_piece(some, dimensions, made.left_out)
@@ -287,28 +289,6 @@ def _las_piece(some: Any, dimensions: set[str], left_out: dict[str, int]) -> Pie
         )
     positions = np.stack([np.asarray(some[one])[taken] for one in ("x", "y", "z")], axis=1)
     return Piece(positions, colors, np.asarray(some.intensity)[taken], None, labels[taken])
-
-
-def _las_unit(header: Any) -> str:
-    """The unit of a LAS file's coordinate system: of its WKT text or its GeoTIFF keys (9001 to
-    9003, and 2, a geographic model)."""
-    for record in header.vlrs:
-        wkt = getattr(record, "string", "") or ""
-        if wkt.startswith("GEOGCS"):
-            return "degrees"
-        if "COORDSYS" in wkt or "PROJCS" in wkt or "PROJCRS" in wkt:
-            lower = wkt.lower()
-            return (
-                "US survey feet"
-                if "us survey foot" in lower
-                else ("feet" if "foot" in lower else "metres")
-            )
-        for key in getattr(record, "geo_keys", ()):
-            known = {(1024, 2): "degrees", (3076, 9001): "metres", (3076, 9002): "feet",
-                     (3076, 9003): "US survey feet"}  # fmt: skip
-            if (key.id, key.value_offset) in known:
-                return known[key.id, key.value_offset]
-    return ""
 
 
 def _open_e57(path: str) -> PointFile:
