@@ -295,6 +295,16 @@ def test_a_las_file_that_claims_too_many_records_is_not_waited_for(tmp_path):
         load_points(tmp_path / "a.las")
 
 
+def test_a_laz_file_that_claims_too_many_chunks_takes_no_memory(tmp_path):
+    made = bytearray(write_las(tmp_path / "a.laz").read_bytes())
+    begin = int.from_bytes(made[96:100], "little")
+    table = int.from_bytes(made[begin : begin + 8], "little")
+    made[table + 4 : table + 8] = b"\xff\xff\xff\xff"
+    (tmp_path / "a.laz").write_bytes(made)
+    with pytest.raises(omma.Error, match="expected a table of its chunks"):
+        load_points(tmp_path / "a.laz")
+
+
 def test_more_than_fits_is_refused_before_it_is_read(tmp_path, monkeypatch):
     path = write_ply(tmp_path / "a.ply", ply_columns())
     monkeypatch.setattr("omma.scene.points.free_bytes", lambda: 3 * 5.5 * 100)

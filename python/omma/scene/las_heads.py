@@ -38,6 +38,23 @@ def check_las_head(path: str) -> None:
     extended = number[1] if head[25] >= 4 else 0
     if 54 * number[0] + 60 * extended > size:
         raise Error(f"{path}: expected as many records as its header says, found {size:,} bytes")
+    if head[104] & 0x80:
+        _check_chunk_table(path, int.from_bytes(head[96:100], "little"), size)
+
+
+def _check_chunk_table(path: str, begin: int, size: int) -> None:
+    """Of a LAZ file: no more chunks than it has bytes, for which lazrs takes memory at once. Where
+    their table lies stands before the points, or at the end (-1); its second number is how many."""
+    with open(path, "rb") as file:
+        file.seek(min(begin, size))
+        at = int.from_bytes(file.read(8), "little", signed=True)
+        if at == -1:
+            file.seek(size - 8)
+            at = int.from_bytes(file.read(8), "little", signed=True)
+        file.seek(min(max(at, 0), size))
+        table = file.read(8)
+    if len(table) < 8 or int.from_bytes(table[4:], "little") > size:
+        raise Error(f"{path}: expected a table of its chunks, found it cut off or damaged")
 
 
 def las_unit(header: Any) -> str:
