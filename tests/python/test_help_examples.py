@@ -85,6 +85,7 @@ def named_files(tmp_path_factory):
     (folder / "track.csv").write_text("t_s,x_m,z_m\n0,0,3\n0.1,0,2.9\n")
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
+    (folder / "forest.xyz").write_text("0 0 0\n0 0 1\n1 0 0\n")
     (folder / "moved").mkdir()
     for name in ("arena.gltf", "bee.eye"):
         shutil.copy(folder / name, folder / "moved")

@@ -32,6 +32,17 @@ import omma
 omma.render_file("meadow.glb", "flight.zarr", eyes="honeybee.eye", path="flight.csv")
 """
     },
+    "docs/scenes.md": {
+        6: """
+import numpy as np
+header = "ply\\nformat ascii 1.0\\nelement vertex 9000\\n" + "".join(
+    f"property {kind}\\n" for kind in ("float x", "float y", "float z", "uchar classification")
+)
+rows = np.random.default_rng(1).random((9000, 4)) * (0.3, 0.3, 0.01, 2) + (0, 0, 0, 2)
+rows[:, 3] = np.floor(rows[:, 3])
+np.savetxt("scan.ply", rows, "%.5g", header=header + "end_header", comments="")
+"""
+    },
     "docs/receptors.md": {
         1: """
 assert responses.shape == (1, 43040) == (1, len(eye.receptor_type))

@@ -178,6 +178,7 @@ def examples(files, tmp_path_factory):
         "scene.Material": omma.scene.Material("paper", unlit=True),
         "scene.MaterialFact": omma.scene.natural_materials()["sand"].facts[0],
         "scene.Mesh": omma.scene.Mesh(*TRIANGLE),
+        "scene.PointCloud": omma.scene.PointCloud([[1.0, 2.0, 3.0]], labels=[2]),
         "scene.PunctualLight": omma.scene.PunctualLight("lamp", type="spot"),
         "scene.NaturalMaterial": omma.scene.natural_materials()["grass blade"],
         "scene.Texture": omma.scene.Texture(0),
@@ -233,7 +234,7 @@ UNHASHABLE = {
     "rendering.GroundTruth",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
-    "scene.NaturalMaterial", "view.Seen", "mesh_surface()", "EyeMeasures.field",
+    "scene.NaturalMaterial", "scene.PointCloud", "view.Seen", "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 # Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
 # (tests/python/test_view_window.py); memory of a graphics card (tests/python/test_card_arrays.py).

@@ -175,6 +175,7 @@ _OWN = {
     "Method": "omma.study.Method",
     "MinimumSamples": "omma.study.MinimumSamples",
     "OmmatidiumType": "omma.receptors.OmmatidiumType",
+    "PointCloud": "omma.scene.PointCloud",
     "ReceptorType": "omma.receptors.ReceptorType",
     "Renderer": "omma.Renderer",
     "Scene": "omma.Scene",

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import warnings
-from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -20,25 +19,11 @@ from omma import _core
 from omma._core import Error, Image, Material
 from omma.base.mesh_parts import MeshParts, Piece, linear
 from omma.base.mesh_pictures import opaque, read_picture
+from omma.base.ply_header import PlyElement, read_header
 from omma.base.polygons import triangulate
-
-_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
-    "float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2",
-    "int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8", "float32": "f4", "float64": "f8",
-}  # fmt: skip
-_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-# Of one line of a header, and of all of it.
-_LONGEST_HEADER = 1 << 20
 
 _CORNERS = ("vertex_indices", "vertex_index")
 _COORDINATES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
-
-
-class _Property(NamedTuple):
-    name: str
-    type: str
-    count_type: str  # of lists, else ""
 
 
 class _Ragged(NamedTuple):
@@ -48,72 +33,19 @@ class _Ragged(NamedTuple):
     values: NDArray[Any]
 
 
-@dataclass
-class _Element:
-    name: str
-    count: int
-    properties: list[_Property] = field(default_factory=list)
-
-
 _Columns = dict[str, Any]  # by name: an array of each row's value, or _Ragged
 
 
 def read_ply(path: str) -> MeshParts:
     """The parts of a PLY file: one piece."""
     data = _core.read_file(path)
-    order, elements, picture, body = _header(path, data)
+    order, elements, picture, body = read_header(path, data, len(data))
     tables = (_text_tables if order == "" else _binary_tables)(path, elements, data[body:], order)
     return _parts(path, tables, picture)
 
 
-def _header(path: str, data: bytes) -> tuple[str, list[_Element], str, int]:
-    """Order of bytes, elements, name of the picture ("" for none), where the table begins."""
-    if not data.startswith(b"ply"):
-        raise Error(f"{path}: not readable as PLY: expected 'ply' in the first line")
-    order: str | None = None
-    elements: list[_Element] = []
-    picture, at, number = "", 0, 0
-    while True:
-        end = data.find(b"\n", at, at + _LONGEST_HEADER)
-        if end < 0:
-            raise Error(f"{path}: not readable as PLY: expected a header that ends in end_header")
-        line = data[at:end].decode("utf-8", "replace").strip()
-        at, number = end + 1, number + 1
-        words = line.split()
-        where = f"{path}, line {number}"
-        if line == "end_header":
-            break
-        if words[:1] == ["format"]:
-            order = _ORDERS.get(words[1] if len(words) > 1 else "")
-            if order is None:
-                known = ", ".join(_ORDERS)
-                raise Error(f"{where}: expected the format {known}, found '{line[:60]}'")
-        elif words[:1] == ["element"]:
-            if len(words) != 3 or not (words[2].isascii() and words[2].isdecimal()):
-                raise Error(f"{where}: expected 'element NAME COUNT', found '{line[:60]}'")
-            elements.append(_Element(words[1], int(words[2])))
-        elif words[:1] == ["property"]:
-            is_list = words[1:2] == ["list"]
-            if not elements or len(words) != (5 if is_list else 3):
-                raise Error(f"{where}: expected a property of an element, found '{line[:60]}'")
-            unknown = [one for one in words[2 if is_list else 1 : -1] if one not in _TYPES]
-            if unknown or (is_list and _TYPES[words[2]][0] == "f"):
-                raise Error(f"{where}: expected a type of PLY, found '{line[:60]}'")
-            count_type = _TYPES[words[2]] if is_list else ""
-            elements[-1].properties.append(_Property(words[-1], _TYPES[words[-2]], count_type))
-        elif words[:2] == ["comment", "TextureFile"]:
-            picture = line.partition("TextureFile")[2].strip()
-    if order is None:
-        raise Error(f"{path}: not readable as PLY: expected a line that says the format")
-    # No row takes less than a byte: whoever claims more than the file has is not waited for.
-    claimed = sum(one.count for one in elements if one.properties)
-    if claimed > len(data):
-        raise Error(f"{path}: expected {claimed} rows as its header says, found {len(data)} bytes")
-    return order, elements, picture, at
-
-
 def _text_tables(
-    path: str, elements: list[_Element], body: bytes, _order: str
+    path: str, elements: list[PlyElement], body: bytes, _order: str
 ) -> dict[str, _Columns]:
     with warnings.catch_warnings():
         # What is no number ends the reading with a warning.
@@ -131,7 +63,7 @@ def _text_tables(
 
 
 def _rows_of(
-    path: str, element: _Element, numbers: NDArray[np.float64], at: int
+    path: str, element: PlyElement, numbers: NDArray[np.float64], at: int
 ) -> tuple[_Columns, int]:
     """The columns of an element from numbers one after the other, and where the next begins."""
     lists = [i for i, one in enumerate(element.properties) if one.count_type]
@@ -177,7 +109,7 @@ def _rows_of(
     return columns, int(starts[-1])
 
 
-def _same_lengths(element: _Element, numbers: NDArray[np.float64], at: int) -> list[int] | None:
+def _same_lengths(element: PlyElement, numbers: NDArray[np.float64], at: int) -> list[int] | None:
     """How long the lists of the first row are, if those of all rows are as long."""
     lengths: list[int] = []
     heads: list[int] = []
@@ -196,7 +128,7 @@ def _same_lengths(element: _Element, numbers: NDArray[np.float64], at: int) -> l
 
 
 def _binary_tables(
-    path: str, elements: list[_Element], body: bytes, order: str
+    path: str, elements: list[PlyElement], body: bytes, order: str
 ) -> dict[str, _Columns]:
     tables: dict[str, _Columns] = {}
     at = 0
@@ -218,7 +150,7 @@ def _binary_tables(
 
 
 def _binary_lists(
-    path: str, element: _Element, body: bytes, at: int, order: str
+    path: str, element: PlyElement, body: bytes, at: int, order: str
 ) -> tuple[_Columns, int]:
     """The columns of an element that has lists, and where the next element begins."""
     same = _same_rows(element, body, at, order)
@@ -266,7 +198,7 @@ def _binary_lists(
     return columns, at
 
 
-def _same_rows(element: _Element, body: bytes, at: int, order: str) -> NDArray[Any] | None:
+def _same_rows(element: PlyElement, body: bytes, at: int, order: str) -> NDArray[Any] | None:
     """The rows as they lie there, if the lists of all are as long as those of the first."""
     fields: list[tuple[Any, ...]] = []
     heads: list[str] = []

@@ -29,6 +29,8 @@ What an eye is like as an eye is measured by **omma eye info**.
 
 `omma info scan.stl --unit mm --up z`
 
+`omma info forest.xyz`
+
 `omma info flight.npy`
 
 `omma info --devices`
@@ -42,8 +44,8 @@ def info(
     file: Annotated[
         Path | None,
         typer.Argument(
-            help="A scene (.gltf, .glb, .obj, .ply, .stl), an eye (.eye, .csv), or responses "
-            "(.zarr, .nc, .parquet, .npy, .csv).",
+            help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz), "
+            "an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, .npy, .csv).",
             metavar="FILE",
             show_default=False,
         ),
@@ -51,8 +53,8 @@ def info(
     unit: Annotated[
         str | None,
         typer.Option(
-            help="Unit of lengths in an .eye file (default: mm), or in an .obj, .ply or .stl file "
-            "(default: m): mm, um, m or a number of metres.",
+            help="Unit of lengths in an .eye file (default: mm), or in a file of meshes or "
+            "points (default: m): mm, um, m or a number of metres.",
             metavar="UNIT",
         ),
     ] = None,

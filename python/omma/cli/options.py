@@ -32,19 +32,27 @@ from omma.scene.lighting import checked_rule
 F = TypeVar("F", bound=Callable[..., Any])
 
 SceneArgument = Annotated[
-    Path, typer.Argument(help="Scene: .gltf or .glb, .obj, .ply or .stl.", metavar="SCENE")
+    Path,
+    typer.Argument(
+        help="Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply.",
+        metavar="SCENE",
+    ),
 ]
 SceneUnitOption = Annotated[
     str | None,
     typer.Option(
-        help="Unit of lengths in an .obj, .ply or .stl scene: mm, um, m (the default) or a number "
+        help="Unit of lengths in a scene of meshes or points: mm, um, m (the default) or a number "
         "of metres.",
         metavar="UNIT",
     ),
 ]
 SceneUpOption = Annotated[
     str | None,
-    typer.Option(help="Axis that is up in an .obj, .ply or .stl file: y or z.", metavar="AXIS"),
+    typer.Option(
+        help="Axis that is up in a file of meshes or points: y or z. Default: y, in .las, .laz, "
+        ".e57 and .xyz files z.",
+        metavar="AXIS",
+    ),
 ]
 
 EyeUnitOption = Annotated[

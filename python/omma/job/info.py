@@ -13,16 +13,18 @@ from omma._core import Error, Eye, Scene
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
+from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
 from omma.scene.device_list import devices
 from omma.scene.files import read_scene
 from omma.scene.mesh_files import MESH_FILES
+from omma.scene.point_files import POINT_FILES, is_point_file
 
 
 def is_scene_file(path: PathLike) -> bool:
     """Whether a file is to be read as a scene: by its ending, else, as glTF, by how it begins."""
     name = Path(os.fsdecode(path))
-    if name.suffix.lower() in (".gltf", ".glb", *MESH_FILES):
+    if name.suffix.lower() in (".gltf", ".glb", *MESH_FILES, *POINT_FILES):
         return True
     if name.suffix.lower() == ".eye":
         return False
@@ -54,20 +56,22 @@ def describe_file(
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Lines:
-    """What is in a file of a scene, an eye or responses.
+    """What is in a file of a scene, points, an eye or responses.
 
-    ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in `.obj`, `.ply` and `.stl`
-    files ("m"), ``up`` what is up in these; ``progress`` is told how much of a scene is read.
+    ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of meshes and points
+    ("m"), ``up`` what is up in these; ``progress`` is told how much of a scene is read.
 
     Raises:
         omma.Error: the file cannot be read.
     """
     if is_response_file(path):
         return describe_responses(path)
+    if is_point_file(os.fsdecode(path)):
+        return describe_points(os.fsdecode(path), "m" if unit is None else unit, up, progress)
     if Path(os.fsdecode(path)).suffix.lower() in MESH_FILES:
         return describe_scene(read_scene(path, unit=unit, up=up))
     if up is not None:
-        raise Error(f"up: expected none, as {os.fsdecode(path)} is no .obj, .ply or .stl file")
+        raise Error(f"up: expected none, as {os.fsdecode(path)} is no file of meshes or points")
     if is_scene_file(path):
         lines = describe_scene(read_scene(path, progress=progress))
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.

@@ -21,7 +21,9 @@ from .materials import (
     natural_material,
     natural_materials,
 )
+from .points import PointCloud, load_points
 from .solids import box, cylinder, disc, plane, sphere
+from .surfel_scenes import surfels
 from .trimesh_scenes import from_trimesh
 from .walls import corridor, drum
 from .world import WorldInstance
@@ -39,6 +41,7 @@ __all__ = [
     "Material",
     "MaterialFact",
     "Mesh",
+    "PointCloud",
     "PunctualLight",
     "NaturalMaterial",
     "Rig",
@@ -52,6 +55,7 @@ __all__ = [
     "disc",
     "drum",
     "from_trimesh",
+    "load_points",
     "load_scene",
     "merge_scenes",
     "natural_material",
@@ -60,4 +64,5 @@ __all__ = [
     "plane",
     "save_scene",
     "sphere",
+    "surfels",
 ]

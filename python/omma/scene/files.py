@@ -14,6 +14,8 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike
 from omma.base.warn import warn_caller
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
+from omma.scene.point_files import is_point_file
+from omma.scene.surfel_scenes import load_surfels
 
 # How the loader's sentence about what only a light shows begins. It is told once a session.
 WITHOUT_LIGHT = "without a light "
@@ -30,10 +32,12 @@ def load_scene(
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
-    """Read a glTF 2.0 scene, `.gltf` or `.glb`, or the meshes of an `.obj`, `.ply` or `.stl` file.
+    """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, or
+    the points of a `.las`, `.laz`, `.e57` or `.xyz` file, or of a `.ply` file without faces.
 
-    The latter need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what
-    becomes of colours and pictures.
+    Meshes need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what becomes
+    of colours and pictures. Points become discs as `omma.scene.load_points` and
+    `omma.scene.surfels` make them by default.
 
     Other Python threads run meanwhile, and Ctrl-C stops the work within a second.
 
@@ -45,9 +49,10 @@ def load_scene(
             CompoundRay: vertex colours to the power 2.2 instead of all else, or else the factor
             times the texture to the power 2.2; everything opaque and seen from both sides
             (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
-        unit: of lengths in `.obj`, `.ply` and `.stl` files, which do not say it: "m" (None), "mm",
-            "um" or a number of metres.
-        up: the axis that points up in these: "y" (None) or "z".
+        unit: of lengths in files of meshes and points, which do not say it: "m" (None), "mm", "um"
+            or a number of metres.
+        up: the axis that points up in these: "y" or "z". None: y, in `.las`, `.laz`, `.e57` and
+            `.xyz` files z.
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
             raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
@@ -95,11 +100,14 @@ def read_scene(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
-    if Path(name).suffix.lower() in MESH_FILES:
+    is_points = is_point_file(name)
+    if is_points or Path(name).suffix.lower() in MESH_FILES:
         if scene_index is not None:
             raise Error(f"scene_index: expected none, as {name} holds no list of scenes")
         if color_rule != "gltf":
             raise Error(f"color_rule: expected gltf, as {name} is no glTF file")
+        if is_points:
+            return load_surfels(name, "m" if unit is None else unit, up, progress)
         return load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
     for argument, value in (("unit", unit), ("up", up)):
         if value is not None:

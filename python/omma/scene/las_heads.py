@@ -1,0 +1,79 @@
+"""What LAS files say of themselves, checked before laspy reads them, and its errors."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from omma._core import Error
+from omma.base.files import reading
+
+
+@contextmanager
+def reading_las(path: str) -> Iterator[None]:
+    """Whatever laspy and what unpacks for it raise, as omma.Error that names the file."""
+    try:
+        with reading(path, "LAS"):
+            yield
+    except BaseException as error:
+        if type(error).__name__ != "PanicException":
+            raise
+        # Of Rust, in lazrs: no Exception, though the file is what is wrong.
+        raise Error(f"{path}: cannot be read as LAZ: {error!s:.300}") from None
+
+
+def check_las_head(path: str) -> None:
+    """Of records of variable length no more than the file can have, which laspy would wait for.
+
+    Their numbers are at bytes 100 and, from LAS 1.4 on, 243 (ASPRS LAS 1.4 R15, table 3).
+    """
+    size = os.path.getsize(path)
+    with open(path, "rb") as file:
+        head = file.read(375)
+    number = [int.from_bytes(head[at : at + 4], "little") for at in (100, 243)]
+    if head[:4] != b"LASF" or len(head) < 227:
+        raise Error(f"{path}: expected a file that begins with LASF and a header")
+    extended = number[1] if head[25] >= 4 else 0
+    if 54 * number[0] + 60 * extended > size:
+        raise Error(f"{path}: expected as many records as its header says, found {size:,} bytes")
+    if head[104] & 0x80:
+        _check_chunk_table(path, int.from_bytes(head[96:100], "little"), size)
+
+
+def _check_chunk_table(path: str, begin: int, size: int) -> None:
+    """Of a LAZ file: no more chunks than it has bytes, for which lazrs takes memory at once. Where
+    their table lies stands before the points, or at the end (-1); its second number is how many."""
+    with open(path, "rb") as file:
+        file.seek(min(begin, size))
+        at = int.from_bytes(file.read(8), "little", signed=True)
+        if at == -1:
+            file.seek(size - 8)
+            at = int.from_bytes(file.read(8), "little", signed=True)
+        file.seek(min(max(at, 0), size))
+        table = file.read(8)
+    if len(table) < 8 or int.from_bytes(table[4:], "little") > size:
+        raise Error(f"{path}: expected a table of its chunks, found it cut off or damaged")
+
+
+def las_unit(header: Any) -> str:
+    """The unit of a LAS file's coordinate system: of its WKT text or its GeoTIFF keys (9001 to
+    9003, and 2, a geographic model)."""
+    for record in header.vlrs:
+        wkt = getattr(record, "string", "") or ""
+        if wkt.startswith("GEOGCS"):
+            return "degrees"
+        if "COORDSYS" in wkt or "PROJCS" in wkt or "PROJCRS" in wkt:
+            lower = wkt.lower()
+            return (
+                "US survey feet"
+                if "us survey foot" in lower
+                else ("feet" if "foot" in lower else "metres")
+            )
+        for key in getattr(record, "geo_keys", ()):
+            known = {(1024, 2): "degrees", (3076, 9001): "metres", (3076, 9002): "feet",
+                     (3076, 9003): "US survey feet"}  # fmt: skip
+            if (key.id, key.value_offset) in known:
+                return known[key.id, key.value_offset]
+    return ""
