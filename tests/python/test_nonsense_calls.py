@@ -130,6 +130,8 @@ def public_calls(folder):
     )
     measures = omma.eye.measure_eye(eye)
     sphere = omma.eye.surfaces.sphere(1e-3)
+    scan = np.random.default_rng(0).random((40, 3)) * (1, 0.01, 1)
+    np.savetxt(folder / "scan.xyz", scan)
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     mesh = omma.scene.Mesh(corners, [[0, 1, 2]])
@@ -299,6 +301,8 @@ def public_calls(folder):
         "load_poses": (folder / "poses.csv",),
         "load_scene": (folder / "scene.gltf",),
         "load_surface": (folder / "face.obj",),
+        "load_points": (folder / "scan.xyz",),
+        "surfels": (omma.scene.PointCloud(scan),),
         "look_at": ((0, 0, 0), (0, 0, -1)),
         "measure_eye": (eye,),
         "measure_speed": {

@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 
 # A cloud farther from zero than this many of its half sizes has an offset, as meshes have.
 _FAR = 4
+# No world is larger.
+_MOST_M = 1e18
 # While it is read, for each number of a point that is kept: itself, and once more when the pieces
 # are joined, of one column at a time.
 _BYTES_PER_NUMBER = 5.5
@@ -76,6 +78,7 @@ class PointCloud:
             if np.abs(middle).max() > _FAR * np.ptp(exact, axis=0).max() / 2:
                 exact, offset = exact - middle, offset + middle
         count = len(exact)
+        _check_size(exact, "positions_m")
         made: dict[str, Any] = {
             "positions_m": exact.astype(np.float32, copy=False),
             "offset_m": offset,
@@ -213,7 +216,13 @@ class Sieve:
             turn = world[:3, :3] / np.cbrt(np.linalg.det(world[:3, :3]))
             rows["normals"] = rows["normals"] @ turn.T.astype(np.float32)
         self.kept += len(positions)
+        _check_size(positions, self.file.path)
         return {"positions": positions.astype(np.float32), **rows}
+
+
+def _check_size(positions: NDArray[np.floating[Any]], name: str) -> None:
+    if len(positions) and np.abs(positions).max() > _MOST_M:
+        raise Error(f"{name}: expected points within {_MOST_M:g} m, found farther ones")
 
 
 def read_points(
