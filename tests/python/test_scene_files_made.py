@@ -300,8 +300,48 @@ def test_what_is_no_mesh_is_named(tmp_path):
         load_scene(tmp_path / "wedge.stl", 0)
     with pytest.raises(omma.Error, match="up: expected one of y, z"):
         load_scene(tmp_path / "wedge.stl", up="x")
-    with pytest.raises(omma.Error, match="unit: expected none, as glTF is in metres"):
-        load_scene(EXAMPLES / "meadow.glb", unit="mm")
+    with pytest.raises(omma.Error, match="up: expected one of y, z"):
+        load_scene(EXAMPLES / "meadow.glb", up="x")
+
+
+def test_gltf_of_programs_that_do_not_heed_its_unit(tmp_path, run_omma):
+    """A room written in millimetres with +Z up: the same as in metres with +Y up, cameras too."""
+    room = omma.scene.merge_scenes(
+        [omma.scene.plane((6, 4)), omma.scene.box((0.5, 2, 0.3), (0.6, 0.3, 0.1))]
+    ).replace(
+        cameras=[omma.scene.Camera("eye", world_from_camera=omma.look_at((0.2, 1, 1.5), (0, 0, 0)))]
+    )
+    wrong = np.array([[1e3, 0, 0, 0], [0, 0, -1e3, 0], [0, 1e3, 0, 0], [0, 0, 0, 1.0]])
+    written = omma.scene.place_scene(room, wrong)
+    written = written.replace(
+        cameras=[written.cameras[0].replace(
+            world_from_camera=written.cameras[0].world_from_camera @ np.diag([1e-3] * 3 + [1])
+        )]
+    )  # fmt: skip
+    omma.scene.save_scene(tmp_path / "room.glb", written)
+    read = load_scene(tmp_path / "room.glb", unit="mm", up="z")
+    assert read.path.endswith("room.glb")
+    assert np.allclose(read.bounds, room.bounds, atol=1e-6)
+    pose = read.cameras[0].world_from_camera
+    assert np.allclose(pose, room.cameras[0].world_from_camera, atol=1e-6)
+    eye = omma.eye.generate_eye(100)
+    seen = [omma.Renderer(one, eye, omma.Fixed(16)).render(pose) for one in (read, room)]
+    assert np.allclose(*seen, atol=1e-4)
+    said = run_omma("info", str(tmp_path / "room.glb"))[1]
+    assert "6000 x 4000 x 2000 m, as of a landscape" in said
+    assert "flat" not in said
+    said = run_omma("info", str(tmp_path / "room.glb"), "--unit", "mm", "--up", "z")[1]
+    assert "6 x 2 x 4 m, as of a tree, a room or a plot" in said
+
+
+def test_sizes_are_told_in_words():
+    from omma.job.extents import describe_extent
+
+    flat = describe_extent(np.array([50_000.0, 40_000.0, 900.0]))
+    assert flat.startswith("5e+04 x 4e+04 x 900 m, as of a region; in millimetres it were 50 m")
+    assert flat.endswith("it is flat along z, as if +Z were up: --scene-up z")
+    plot = describe_extent(np.array([4.0, 0.3, 5.0]))
+    assert plot == "4 x 0.3 x 5 m, as of a tree, a room or a plot"
 
 
 def test_colours_of_trimesh():

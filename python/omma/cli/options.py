@@ -41,15 +41,14 @@ SceneArgument = Annotated[
 SceneUnitOption = Annotated[
     str | None,
     typer.Option(
-        help="Unit of lengths in a scene of meshes or points: mm, um, m (the default) or a number "
-        "of metres.",
+        help="Unit of lengths in the scene's file: mm, um, m (the default) or a number of metres.",
         metavar="UNIT",
     ),
 ]
 SceneUpOption = Annotated[
     str | None,
     typer.Option(
-        help="Axis that is up in a file of meshes or points: y or z. Default: y, in .las, .laz, "
+        help="Axis that is up in the scene's file: y or z. Default: y, in .las, .laz, "
         ".e57 and .xyz files z.",
         metavar="AXIS",
     ),

@@ -13,6 +13,7 @@ from omma._core import Error, Eye, Scene
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
+from omma.job.extents import describe_extent
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
 from omma.scene.device_list import devices
@@ -58,8 +59,8 @@ def describe_file(
 ) -> Lines:
     """What is in a file of a scene, points, an eye or responses.
 
-    ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of meshes and points
-    ("m"), ``up`` what is up in these; ``progress`` is told how much of a scene is read.
+    ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
+    ``up`` what is up in these; ``progress`` is told how much of a scene is read.
 
     Raises:
         omma.Error: the file cannot be read.
@@ -70,10 +71,8 @@ def describe_file(
         return describe_points(os.fsdecode(path), "m" if unit is None else unit, up, progress)
     if Path(os.fsdecode(path)).suffix.lower() in MESH_FILES:
         return describe_scene(read_scene(path, unit=unit, up=up))
-    if up is not None:
-        raise Error(f"up: expected none, as {os.fsdecode(path)} is no file of meshes or points")
     if is_scene_file(path):
-        lines = describe_scene(read_scene(path, progress=progress))
+        lines = describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
         heads = eye_file_heads(path)
         if len(heads) == 1:
@@ -81,6 +80,8 @@ def describe_file(
         elif heads:
             lines.append(("heads", ", ".join(head or "(no name)" for head in heads)))
         return lines
+    if up is not None:
+        raise Error(f"up: expected none, as {os.fsdecode(path)} is no file of a scene")
     return describe_eye(load_eye(path, "mm" if unit is None else unit))
 
 
@@ -99,6 +100,7 @@ def describe_scene(scene: Scene) -> Lines:
         lines.append(("bounds", "empty: nothing but background"))
     else:
         lines.append(("bounds", f"{_point(bounds[0])} to {_point(bounds[1])} m"))
+        lines.append(("extent", describe_extent(bounds[1] - bounds[0])))
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
     lines.append(("background", background.type.replace("_", " ") + color))

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from omma._core import Error
+from omma.job.extents import describe_extent
 from omma.job.results_info import Lines
 from omma.scene.memory import free_bytes, words_for_bytes
 from omma.scene.point_files import open_points
@@ -24,12 +25,6 @@ _CLASSES = {
     10: "rail", 11: "road", 13: "wire guard", 14: "wire", 15: "tower", 16: "wire connector",
     17: "bridge deck", 18: "high noise",
 }  # fmt: skip
-# What is so many metres long at most.
-_LONG = (
-    (0.05, "an insect or a leaf"), (0.5, "a thing on a table"), (3, "a shrub or a piece of ground"),
-    (30, "a tree, a room or a plot"), (300, "a garden, a house or a field"),
-    (10_000, "a landscape"), (np.inf, "a region: is it in metres?"),
-)  # fmt: skip
 
 
 def describe_points(
@@ -72,7 +67,7 @@ def describe_points(
         ("points", f"{path}, {file.kind}"),
         ("number", f"{sieve.kept:,}"),
         ("bounds", f"({corners[0]}) to ({corners[1]}) m"),
-        ("extent", " x ".join(f"{x:.4g}" for x in size) + f" m, as of {_word(float(size.max()))}"),
+        ("extent", describe_extent(size)),
         ("spacing", f"{spacing_of(some) * 1e3:.4g} mm to the nearest, median{whole}"),
         ("unit", f"{said}, read as {unit}; up {up or file.up}"),
     ]
@@ -96,10 +91,6 @@ def describe_points(
     left = {"not finite": sieve.not_finite, **file.left_out}
     lines += [("left out", f"{count:,}: {reason}") for reason, count in left.items() if count]
     return lines
-
-
-def _word(length_m: float) -> str:
-    return next(word for most, word in _LONG if length_m <= most)
 
 
 def _colours(largest: float | None, whites: tuple[float, ...]) -> str:

@@ -6,13 +6,17 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from omma import _core
 from omma._core import Camera as Camera
 from omma._core import Error, Scene
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike
+from omma.base.mesh_parts import world_from_file
 from omma.base.warn import warn_caller
+from omma.scene.joining import place_scene
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
 from omma.scene.surfel_scenes import load_surfels
@@ -49,10 +53,11 @@ def load_scene(
             CompoundRay: vertex colours to the power 2.2 instead of all else, or else the factor
             times the texture to the power 2.2; everything opaque and seen from both sides
             (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
-        unit: of lengths in files of meshes and points, which do not say it: "m" (None), "mm", "um"
-            or a number of metres.
-        up: the axis that points up in these: "y" or "z". None: y, in `.las`, `.laz`, `.e57` and
-            `.xyz` files z.
+        unit: of lengths in files that do not say it, or say it wrongly: "m" (None), "mm", "um" or a
+            number of metres. glTF says metres, +Y up; scanners' programs do not always heed it
+            (`omma info` says how large a scene is). Eyes of a scene's cameras keep their size.
+        up: the axis that points up: "y" or "z". None: y, in `.las`, `.laz`, `.e57` and `.xyz` files
+            z.
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
             raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
@@ -109,15 +114,24 @@ def read_scene(
         if is_points:
             return load_surfels(name, "m" if unit is None else unit, up, progress)
         return load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
-    for argument, value in (("unit", unit), ("up", up)):
-        if value is not None:
-            raise Error(
-                f"{argument}: expected none, as glTF is in metres with +Y up, found {value!r}"
-            )
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
     index = -1 if scene_index is None else scene_index
-    return _core.load_scene(path, index, color_rule, progress)
+    scene = _core.load_scene(path, index, color_rule, progress)
+    return scene if unit is None and up is None else _as_written(scene, unit, up)
+
+
+def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene:
+    """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
+    matrix = world_from_file("m" if unit is None else unit, "y" if up is None else up)
+    placed = place_scene(scene, matrix)
+    # A camera's scale is that of its eye, which is none of the file's lengths.
+    metres = float(np.cbrt(np.linalg.det(matrix[:3, :3])))
+    keep = np.diag([1 / metres] * 3 + [1.0])
+    cameras = [
+        one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
+    ]
+    return _core.with_path(placed.replace(cameras=cameras), scene.path, scene.warnings)
 
 
 @checked
