@@ -211,6 +211,28 @@ def test_a_card_that_is_not_right_is_left_alone(trouble, why, tmp_path):
     assert why in done.stderr
 
 
+FORK = """
+import ctypes, os, omma
+scene = omma.scene.box()
+print(omma.World(scene).backend)
+# What NVIDIA's driver says in a child of a process that has used it.
+ctypes.CDLL(os.environ["OMMA_CUDA_DRIVER"]).emulated_fail(b"cuInit", 3, 10, -1)
+for _ in range(2):
+    print(omma.World(scene).backend)
+"""
+
+
+@with_stand_in
+def test_a_child_says_that_it_cannot_use_the_card(tmp_path):
+    done = run("-c", FORK, cache=tmp_path)
+    parent, child, again = done.stdout.splitlines()
+    assert parent == "cuda:0 (emulated card)"
+    assert child == again
+    assert "cuda" not in child
+    assert done.stderr.count("UserWarning: the processor traces the rays, not a card: ") == 1
+    assert "start workers by spawn" in done.stderr
+
+
 def test_without_a_card_nothing_is_said():
     done = run("-W", "error", "-c", CHOOSE.format(""), card=False)
     assert done.returncode == 0
