@@ -3,12 +3,19 @@ with 32 bits, for measuring what it takes to load and build large scenes. `.glb`
 its numbers in a `.bin` beside it, by the name's ending. The hills are those of bench/scenes.cpp.
 
     python bench/make_large_scene.py 10000000 hills.glb
+
+As of photogrammetry, in one file with photographs of 16,384 pixels a side, and what it takes to
+load it, to make a world and to see a frame:
+
+    python bench/make_large_scene.py 40000000 place.glb --pictures 4
+    python bench/large_scene.py place.glb
 """
 
 from __future__ import annotations
 
 import argparse
 import base64
+import io
 import json
 import math
 import struct
@@ -17,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 
 def height_m(x: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -63,14 +71,37 @@ def checkerboard_png(size: int = 256) -> bytes:
     )
 
 
-def write_scene(path: Path, triangles: int) -> int:
-    """Write the scene; the number of triangles that a square grid makes of ``triangles``."""
+def photograph(pixels: int, seed: int) -> NDArray[np.uint8]:
+    """A JPEG of so many pixels a side: patches with grain, which pack as photographs do."""
+    rng = np.random.default_rng(seed)
+    patches = rng.integers(40, 200, (pixels // 64 + 1, pixels // 64 + 1, 3), np.uint8)
+    colours = patches.repeat(64, axis=0).repeat(64, axis=1)[:pixels, :pixels]
+    grain = rng.integers(0, 56, colours.shape, np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(colours + grain).save(file, "JPEG", quality=90)
+    data = file.getvalue()
+    return np.frombuffer(data + b"\0" * (-len(data) % 4), np.uint8)
+
+
+def write_scene(path: Path, triangles: int, pictures: int = 0, pixels: int = 16384) -> int:
+    """Write the scene; the number of triangles that a square grid makes of ``triangles``.
+
+    With ``pictures`` the ground is in as many strips, each with a photograph of its own.
+    """
     cells = max(1, math.ceil(math.sqrt(triangles / 2)))
     positions, texcoords, indices = hills(cells)
-    arrays = [positions, texcoords, indices]
+    strips = np.array_split(indices, max(1, pictures))
+    photographs = [photograph(pixels, seed) for seed in range(pictures)]
+    arrays = [positions, texcoords, *strips, *photographs]
     sizes = [array.nbytes for array in arrays]
     offsets = np.concatenate([[0], np.cumsum(sizes)]).tolist()
     image = base64.b64encode(checkerboard_png()).decode()
+    images: list[dict[str, object]] = [
+        {"uri": "data:image/png;base64," + image, "mimeType": "image/png"}
+    ]
+    if pictures:
+        first = 2 + len(strips)
+        images = [{"bufferView": first + k, "mimeType": "image/jpeg"} for k in range(pictures)]
     document = {
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -79,7 +110,12 @@ def write_scene(path: Path, triangles: int) -> int:
         "meshes": [
             {
                 "primitives": [
-                    {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}
+                    {
+                        "attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+                        "indices": 2 + k,
+                        "material": k,
+                    }
+                    for k in range(len(strips))
                 ]
             }
         ],
@@ -87,12 +123,13 @@ def write_scene(path: Path, triangles: int) -> int:
         "materials": [
             {
                 "doubleSided": True,
-                "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+                "pbrMetallicRoughness": {"baseColorTexture": {"index": k}},
                 "extensions": {"KHR_materials_unlit": {}},
             }
+            for k in range(len(strips))
         ],
-        "textures": [{"source": 0}],
-        "images": [{"uri": "data:image/png;base64," + image, "mimeType": "image/png"}],
+        "textures": [{"source": k} for k in range(len(images))],
+        "images": images,
         "accessors": [
             {
                 "bufferView": 0,
@@ -103,7 +140,10 @@ def write_scene(path: Path, triangles: int) -> int:
                 "max": positions.max(axis=0).tolist(),
             },
             {"bufferView": 1, "componentType": 5126, "count": len(texcoords), "type": "VEC2"},
-            {"bufferView": 2, "componentType": 5125, "count": indices.size, "type": "SCALAR"},
+            *(
+                {"bufferView": 2 + k, "componentType": 5125, "count": one.size, "type": "SCALAR"}
+                for k, one in enumerate(strips)
+            ),
         ],
         "bufferViews": [
             {"buffer": 0, "byteOffset": offset, "byteLength": size}
@@ -135,8 +175,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Write a large scene of rolling hills.")
     parser.add_argument("triangles", type=int, help="how many, at least")
     parser.add_argument("file", type=Path, help="hills.glb, or hills.gltf with its .bin")
+    parser.add_argument("--pictures", type=int, default=0, help="photographs, each on a strip")
+    parser.add_argument("--pixels", type=int, default=16384, help="a side of each")
     given = parser.parse_args()
-    print(f"{given.file}: {write_scene(given.file, given.triangles):,} triangles")
+    written = write_scene(given.file, given.triangles, given.pictures, given.pixels)
+    print(f"{given.file}: {written:,} triangles, {given.file.stat().st_size / 1e9:.2f} GB")
 
 
 if __name__ == "__main__":
