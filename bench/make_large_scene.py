@@ -179,7 +179,7 @@ def main() -> None:
     parser.add_argument("--pixels", type=int, default=16384, help="a side of each")
     given = parser.parse_args()
     written = write_scene(given.file, given.triangles, given.pictures, given.pixels)
-    print(f"{given.file}: {written:,} triangles, {given.file.stat().st_size / 1e9:.2f} GB")
+    print(f"{given.file}: {written:,} triangles")
 
 
 if __name__ == "__main__":
