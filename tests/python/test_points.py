@@ -343,3 +343,12 @@ def test_clouds_are_values():
     kept = PointCloud(mine)
     mine[0] = 0  # the caller's own array stays the caller's
     assert kept == PointCloud(PLACES)
+
+
+def test_gaussian_splats_are_no_points(tmp_path):
+    zeros = np.zeros(len(PLACES))
+    more = {name: ("float", zeros) for name in ("f_dc_0", "opacity", "scale_0", "rot_0")}
+    path = write_ply(tmp_path / "place.ply", ply_columns(**more))
+    for read in (omma.scene.load_points, omma.load_scene):
+        with pytest.raises(omma.Error, match=r"place\.ply: .* found Gaussian splats, which Omma"):
+            read(path)

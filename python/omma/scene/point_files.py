@@ -42,6 +42,9 @@ _UNNAMED = {
 }  # fmt: skip
 # Of a LAS file: what its authors marked as wrong (ASPRS LAS 1.4 R15, table 17).
 _NOISE = (7, 18)
+# What vertices of files of Gaussian splats have (Kerbl et al. 2023): a colour by harmonics, a scale
+# and a turn of each.
+_OF_SPLATS = {"f_dc_0", "scale_0", "rot_0"}
 
 
 @dataclass
@@ -117,6 +120,11 @@ def _open_ply(path: str) -> PointFile:
     if any(one.count_type for each in (*before, vertex) for one in each.properties):
         raise Error(f"{path}: expected vertices without lists in them or before them")
     types = {one.name.lower(): one.type for one in vertex.properties}
+    if _OF_SPLATS <= types.keys():
+        raise Error(
+            f"{path}: expected points on surfaces, found Gaussian splats, which Omma does not "
+            "render yet"
+        )
     colour = types.get(next((names[0] for names in _COLOURS if names[0] in types), ""), "u1")
     whites = {"u1": (255.0,), "u2": (65535.0,)}.get(colour, (1.0, 255.0))
     if order == "":
