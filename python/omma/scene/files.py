@@ -123,7 +123,10 @@ def read_scene(
 
 def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene:
     """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
-    matrix = world_from_file("m" if unit is None else unit, "y" if up is None else up)
+    try:
+        matrix = world_from_file("m" if unit is None else unit, "y" if up is None else up)
+    except Error as error:
+        raise Error(f"{scene.path}: {error}") from None
     placed = place_scene(scene, matrix)
     # A camera's scale is that of its eye, which is none of the file's lengths.
     metres = float(np.cbrt(np.linalg.det(matrix[:3, :3])))
