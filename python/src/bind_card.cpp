@@ -109,8 +109,7 @@ void bind_card(nb::module_& m) {
       },
       nb::arg("nvrtc"), nb::arg("kernel_cache"), nb::arg("packaged"),
       "Where the compiler of kernels is, \"\" for where the system has it, where they are kept, "
-      "and "
-      "where those are that came with Omma.");
+      "and where those are that came with Omma.");
   m.def(
       "card_states",
       [] {

@@ -51,18 +51,20 @@ class Places {
   std::span<float> add(const Place& place) {
     if (const auto* host = std::get_if<HostOutput>(&place)) return {host->data(), host->size()};
     const CardSpan& card = std::get<CardSpan>(place);
-    if (!card.stream) waits_for_.push_back(card.card);
     if (card.card != card_) {
       copies_.push_back({card, std::vector<float>(card.size)});
       return copies_.back().second;
     }
-    there_.push_back({card.at, card.size * sizeof(float), card.stream.value_or(0)});
+    const std::uintptr_t stream = card.stream.value_or(0);
+    // A launch is on one stream.
+    waits_ = waits_ || !card.stream || (!there_.empty() && there_.back().stream != stream);
+    there_.push_back({card.at, card.size * sizeof(float), stream});
     return {reinterpret_cast<float*>(card.at), card.size};
   }
 
   // `work` writes into all that was added. Without the GIL.
   void run(const std::function<void()>& work) const {
-    for (const int card : waits_for_) wait_for_card(card);
+    if (waits_) wait_for_card(card_);
     const CardOutputs outputs(there_);
     work();
     for (const auto& [card, host] : copies_)
@@ -71,7 +73,7 @@ class Places {
 
  private:
   int card_;
-  std::vector<int> waits_for_;
+  bool waits_ = false;
   std::vector<CardOutput> there_;
   std::deque<std::pair<CardSpan, std::vector<float>>> copies_;
 };

@@ -7,28 +7,13 @@
 
 #include "backend/cuda/card_outputs.h"
 #include "backend/cuda/cuda_backend.h"
+#include "card_errors.h"
 #include "emulated/emulated_backend.h"
 #include "omma/error.h"
 #include "world_tests.h"
 
 namespace omma::test {
 namespace {
-
-constexpr int out_of_memory = 2, launch_failed = 719;
-
-std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-void expect_words(const std::string& message, std::initializer_list<const char*> words) {
-  for (const char* const word : words)
-    EXPECT_NE(message.find(word), std::string::npos) << word << " in: " << message;
-}
 
 World squares_on_card() {
   WorldSettings settings;

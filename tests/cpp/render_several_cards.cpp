@@ -14,6 +14,7 @@
 #include "backend/cuda/compile.h"
 #include "backend/cuda/cuda_backend.h"
 #include "backend/cuda/share_out.h"
+#include "card_errors.h"
 #include "emulated/emulated_backend.h"
 #include "lit_squares.h"
 #include "omma/bake.h"
@@ -22,22 +23,6 @@
 
 namespace omma::test {
 namespace {
-
-constexpr int out_of_memory = 2, launch_failed = 719;
-
-std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-void expect_words(const std::string& message, std::initializer_list<const char*> words) {
-  for (const char* const word : words)
-    EXPECT_NE(message.find(word), std::string::npos) << word << " in: " << message;
-}
 
 // Two cards, of which no test leaves one failing.
 class SeveralCards : public testing::Test {

@@ -156,9 +156,15 @@ def streams_are_kept():
     assert np.array_equal(tensor.numpy(), expected)
     one.render(POSES)
     assert not card.emulated_last_stream()
+    # Of two streams one is used, and the other waited for.
+    other = Tensor(np.zeros_like(expected), version=3, stream=STREAM + 16)
     card.emulated_fail(b"cuCtxSynchronize", 719, 1, -1)
     with pytest.raises(omma.Error, match=r"cuda:0 .*cuCtxSynchronize failed"):
-        one.render(POSES, out=Tensor(np.zeros_like(expected), version=2))
+        one.render(POSES, standard_error=True, out=tensor, error_out=other)
+    unsaid = Tensor(np.zeros_like(expected), version=2)
+    card.emulated_fail(b"cuCtxSynchronize", 719, 1, -1)
+    with pytest.raises(omma.Error, match=r"cuda:0 .*cuCtxSynchronize failed"):
+        one.render(POSES, out=unsaid)
 
 
 def bad_arrays_are_refused_by_name():
@@ -179,6 +185,10 @@ def bad_arrays_are_refused_by_name():
     for out, error, words in refused:
         with pytest.raises(error, match=words):
             one.render(POSES, out=out)
+    without = Tensor(zeros)
+    del without.given["typestr"]
+    with pytest.raises(omma.Error, match="out: expected __cuda_array_interface__ with shape"):
+        one.render(POSES, out=without)
     both = CardArray(shape)
     with pytest.raises(omma.Error, match="error_out: shares memory with out"):
         one.render(POSES, standard_error=True, out=both, error_out=both)

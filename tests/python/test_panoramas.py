@@ -8,6 +8,7 @@ from PIL import Image
 import omma
 from omma import Acceptance, Eye
 from omma.rendering import CubeFaces, Equirectangular, Fisheye, PanoramaView, see_panorama
+from omma.rendering.picture_layouts import pixels_of
 
 WIDTH = np.radians(4.0)
 KINDS = {
@@ -47,7 +48,7 @@ def smooth(directions):
 
 
 def picture_of(layout):
-    directions, _ = layout.at(*layout.pixels)
+    directions, _ = layout.at(*pixels_of(layout))
     return smooth(directions).reshape(*layout.shape, 2)
 
 
@@ -84,7 +85,7 @@ def test_each_layout_shows_the_same(layout):
     # of at most 9 another than its mean.
     assert np.abs(seen - expected)[shown].max() < 1e-3
     # All of the sphere, or the share of it within the rim.
-    _, solid_angle = layout.at(*layout.pixels)
+    _, solid_angle = layout.at(*pixels_of(layout))
     rim = np.radians(layout.field_deg / 2) if isinstance(layout, Fisheye) else np.pi
     assert solid_angle.sum() == pytest.approx(2 * np.pi * (1 - np.cos(rim)), rel=0.01)
 

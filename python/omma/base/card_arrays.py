@@ -88,9 +88,14 @@ def find_on_card(value: Any, name: str) -> OnCard | None:
         ) from None
     if not isinstance(given, dict):
         return None
-    shape = tuple(int(length) for length in given["shape"])
-    dtype = np.dtype(given["typestr"])
-    at, read_only = given["data"]
+    try:
+        shape = tuple(int(length) for length in given["shape"])
+        dtype, (at, read_only) = np.dtype(given["typestr"]), given["data"]
+    except (KeyError, TypeError, ValueError) as error:
+        raise Error(
+            f"{name}: expected __cuda_array_interface__ with shape, typestr and data, found "
+            f"{_named(value)}'s without: {error}"
+        ) from None
     if not _in_c_order(shape, given.get("strides"), dtype.itemsize):
         raise Error(f"{name}: expected an array in C order, found {_named(value)} that is not")
     if given.get("mask") is not None or dtype.kind not in "biuf":

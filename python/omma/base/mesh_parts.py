@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from omma._core import Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import one_of
 from omma.base.files import metres_per_unit
+from omma.base.srgb import linear_of_srgb
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -98,6 +99,4 @@ def offset_of(positions: list[Floats]) -> Floats:
 
 def linear(encoded: Floats) -> Floats:
     """Linear RGBA of sRGB in 0 to 1, whose alpha is linear already."""
-    rgb = encoded[:, :3]
-    low, high = rgb / 12.92, ((np.maximum(rgb, 0) + 0.055) / 1.055) ** 2.4
-    return np.concatenate([np.where(rgb <= 0.04045, low, high), encoded[:, 3:]], axis=1)
+    return np.concatenate([linear_of_srgb(encoded[:, :3]), encoded[:, 3:]], axis=1)

@@ -128,8 +128,8 @@ BackendOption = Annotated[
 DeviceOption = Annotated[
     list[int] | None,
     typer.Option(
-        help="With --backend cuda: ordinal of a graphics card; several share the poses. Default: "
-        "0, the first one.",
+        help="Ordinal of a graphics card, which then traces the rays; several share the poses. "
+        "Default: 0, the first one.",
         metavar="N",
         min=0,
     ),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Image, Material, Mesh, Texture
+from omma.base.srgb import linear_of_srgb
 from omma.mujoco.cube_maps import cut_by_faces
 from omma.mujoco.models import PLANE, mujoco_module, names_of
 from omma.mujoco.shapes import Shape
@@ -24,10 +25,9 @@ _OPAQUE = 0.995
 _OVER_SURFACES = 3_012_000
 
 
-def linear_of_srgb(value: Any) -> NDArray[np.float64]:
-    """Linear light of sRGB values, 0 to 1; above it goes on as it does there."""
-    v = np.asarray(value, float)
-    return np.where(v <= 0.04045, v / 12.92, ((np.maximum(v, 0.04045) + 0.055) / 1.055) ** 2.4)
+def light_of(value: Any) -> NDArray[np.floating[Any]]:
+    """Linear light of the model's sRGB values, in double precision."""
+    return linear_of_srgb(np.asarray(value, float))
 
 
 class Look:
@@ -145,7 +145,7 @@ class Look:
         key = material, rgba, texture, both_sides
         if key not in self._material_of:
             model = self._model
-            color = np.asarray(rgba[:3]) if self._linear else linear_of_srgb(rgba[:3])
+            color = np.asarray(rgba[:3]) if self._linear else light_of(rgba[:3])
             more: dict[str, Any] = {}
             if material >= 0:
                 more["emissive"] = color * float(model.mat_emission[material])
@@ -216,7 +216,7 @@ def texture_pixels(model: Any, texture: int, linear: bool) -> NDArray[Any]:
         return np.ascontiguousarray(pixels)
     light = pixels / 255
     for _ in range(decoded + (not linear)):
-        light[..., :3] = linear_of_srgb(light[..., :3])
+        light[..., :3] = light_of(light[..., :3])
     return np.asarray(light, np.float32)
 
 

@@ -14,7 +14,7 @@ from omma.base.arguments import checked, one_of, positive
 from omma.base.warn import warn_caller
 from omma.mujoco.cube_maps import panorama
 from omma.mujoco.lamps import lamps_of
-from omma.mujoco.materials import SKYBOX, Look, linear_of_srgb, texture_pixels
+from omma.mujoco.materials import SKYBOX, Look, light_of, texture_pixels
 from omma.mujoco.models import (
     KINDS,
     MESH,
@@ -108,7 +108,7 @@ def scene_from_model(
         textures=look.textures,
         images=look.images,
         cameras=cameras(model, data),
-        lights=lamps_of(model, data, np.asarray if linear else linear_of_srgb, light),
+        lights=lamps_of(model, data, np.asarray if linear else light_of, light),
         background=_sky(model, linear),
     )
 

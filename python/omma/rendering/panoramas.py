@@ -18,7 +18,8 @@ from omma.base.arguments import array_of, checked, expect
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
 from omma.base.poses import as_poses
-from omma.rendering.picture_layouts import Equirectangular, Layout
+from omma.base.srgb import linear_of_srgb
+from omma.rendering.picture_layouts import Equirectangular, Layout, pixels_of
 
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
@@ -32,7 +33,8 @@ _BEYOND = 1e-5
 _AZIMUTHS = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 # Bytes of pictures, and pictures, that a thread sees at once.
 _CHUNK_BYTES, _AT_ONCE = 1 << 28, 16
-_SRGB_POWER, _SRGB_EDGE = 2.4, 0.04045
+# Of uint8.
+_OF_SRGB = linear_of_srgb(np.arange(256) / 255).astype(np.float32)
 
 
 class PanoramaView:
@@ -123,8 +125,11 @@ class PanoramaView:
             mixed = (self._matrix @ columns).reshape(-1, len(some), bands)
             seen[first : first + step] = mixed.transpose(1, 0, 2)
 
-        with ThreadPoolExecutor(os.cpu_count()) as threads:
-            list(threads.map(see_some, range(0, len(flat), step)))
+        if len(flat) <= step:
+            see_some(0)
+        else:
+            with ThreadPoolExecutor(os.cpu_count()) as threads:
+                list(threads.map(see_some, range(0, len(flat), step)))
         seen[:, self._unseen] = np.nan
         return seen.reshape(*several, *seen.shape[1:])
 
@@ -182,20 +187,11 @@ def load_picture(path: PathLike) -> Responses:
 
 
 def linear(pixels: NDArray[np.generic]) -> Responses:
-    """Pixels as linear float32: uint8 is sRGB (IEC 61966-2-1), all else is linear already."""
+    """Pixels as linear float32: uint8 is sRGB, all else is linear already."""
     if pixels.dtype == np.uint8:
         return np.asarray(_OF_SRGB[pixels])
     array: Responses = array_of(pixels, "pictures", dtype=np.float32)
     return array
-
-
-def _srgb_table() -> Responses:
-    value = np.arange(256) / 255
-    curve = ((value + 0.055) / 1.055) ** _SRGB_POWER
-    return np.where(value <= _SRGB_EDGE, value / 12.92, curve).astype(np.float32)
-
-
-_OF_SRGB = _srgb_table()
 
 
 def _rotation(world_from_head: ArrayLike | None) -> Floats:
@@ -214,7 +210,7 @@ def _rotation(world_from_head: ArrayLike | None) -> Floats:
 
 def _weights(eye: Eye, layout: Layout, turned: Floats) -> csr_array:
     """The integral of each angular sensitivity, which is 1 in all, over each pixel."""
-    middles = layout.pixels
+    middles = pixels_of(layout)
     ways, solid_angle = layout.at(*middles)
     shown = np.flatnonzero(solid_angle > 0)
     tree = cKDTree(ways[shown])

@@ -2,9 +2,8 @@
 how much of the sphere it has.
 
 Rows and columns count from the picture's upper left corner, and a pixel is 1 wide, so that its
-middle is at a half. Each layout has `pixels`, face, row and column of the middles of all pixels in
-their order, and `at`: unit vectors [..., 3], +X right, +Y up and -Z ahead, and the solid angle, sr,
-that a pixel has there; 0 where the picture shows nothing."""
+middle is at a half. Each layout has ``at``: unit vectors [..., 3], +X right, +Y up and -Z ahead,
+and the solid angle, sr, that a pixel has there; 0 where the picture shows nothing."""
 
 from __future__ import annotations
 
@@ -42,18 +41,12 @@ class Equirectangular:
     width: int
 
     def __post_init__(self) -> None:
-        whole(self.height, "height", 1, _MOST_PIXELS)
-        whole(self.width, "width", 1, _MOST_PIXELS)
+        _check_size(height=self.height, width=self.width)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """(height, width)."""
         return self.height, self.width
-
-    @property
-    def pixels(self) -> tuple[Floats, Floats, Floats]:
-        """Face, row and column of the middle of each pixel."""
-        return _grid(1, self.height, self.width)
 
     def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
         """Unit vectors [..., 3] and solid angles of a pixel, sr."""
@@ -83,17 +76,12 @@ class CubeFaces:
     size: int
 
     def __post_init__(self) -> None:
-        whole(self.size, "size", 1, _MOST_PIXELS)
+        _check_size(size=self.size)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """(6, size, size)."""
         return 6, self.size, self.size
-
-    @property
-    def pixels(self) -> tuple[Floats, Floats, Floats]:
-        """Face, row and column of the middle of each pixel."""
-        return _grid(6, self.size, self.size)
 
     def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
         """Unit vectors [..., 3] and solid angles of a pixel, sr."""
@@ -139,8 +127,7 @@ class Fisheye:
     circle_px: float = 0.0
 
     def __post_init__(self) -> None:
-        whole(self.height, "height", 1, _MOST_PIXELS)
-        whole(self.width, "width", 1, _MOST_PIXELS)
+        _check_size(height=self.height, width=self.width)
         one_of(self.lens, _LENSES, "lens")
         within(self.field_deg, "field_deg", 1, _LENSES[self.lens])
         within(self.circle_px, "circle_px", 0, 4 * _MOST_PIXELS)
@@ -149,11 +136,6 @@ class Fisheye:
     def shape(self) -> tuple[int, ...]:
         """(height, width)."""
         return self.height, self.width
-
-    @property
-    def pixels(self) -> tuple[Floats, Floats, Floats]:
-        """Face, row and column of the middle of each pixel."""
-        return _grid(1, self.height, self.width)
 
     def at(self, face: Floats, row: Floats, column: Floats) -> tuple[Floats, Floats]:
         """Unit vectors [..., 3] and solid angles of a pixel, sr."""
@@ -190,6 +172,13 @@ Layout = Equirectangular | CubeFaces | Fisheye
 _LENSES = {"equidistant": 360.0, "equisolid": 359.0, "stereographic": 300.0, "orthographic": 180.0}
 
 
-def _grid(faces: int, height: int, width: int) -> tuple[Floats, Floats, Floats]:
-    face, row, column = np.indices((faces, height, width), dtype=float).reshape(3, -1)
+def pixels_of(layout: Layout) -> tuple[Floats, Floats, Floats]:
+    """Face, row and column of the middle of each pixel, in the order of the picture."""
+    shape = layout.shape if len(layout.shape) == 3 else (1, *layout.shape)
+    face, row, column = np.indices(shape, dtype=float).reshape(3, -1)
     return face, row + 0.5, column + 0.5
+
+
+def _check_size(**sizes: int) -> None:
+    for name, size in sizes.items():
+        whole(size, name, 1, _MOST_PIXELS)

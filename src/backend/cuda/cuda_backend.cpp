@@ -291,7 +291,12 @@ void read_from_card(int card, void* to, CardPointer from, std::size_t bytes) {
 }
 
 void write_to_card(int card, CardPointer to, const void* from, std::size_t bytes) {
-  with_card(card, [&](OpenCard& open) { copy_to_card(open.card, to, from, bytes); });
+  with_card(card, [&](OpenCard& open) {
+    // Whoever uses it may do so in a stream that does not wait for copies, before and after.
+    wait_for(open.card);
+    copy_to_card(open.card, to, from, bytes);
+    wait_for(open.card);
+  });
 }
 
 void wait_for_card(int card) {

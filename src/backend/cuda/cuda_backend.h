@@ -32,7 +32,7 @@ std::string card_note(std::span<const int> devices);
 // omma::Error where the driver fails, and returns when it is done.
 CardPointer allocate_on_card(int card, std::size_t bytes);
 void free_on_card(int card, CardPointer at);
-// When all that anybody has asked of the card by this process is done.
+// These when all that anybody has asked of the card by this process is done.
 void read_from_card(int card, void* to, CardPointer from, std::size_t bytes);
 void write_to_card(int card, CardPointer to, const void* from, std::size_t bytes);
 void wait_for_card(int card);
