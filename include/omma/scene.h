@@ -1,6 +1,6 @@
 // A scene as plain arrays and integer handles: meshes, instances, materials, textures, images,
-// cameras and a background. It is validated once, where it is made (`validate_scene`), and trusted
-// from then on. World frame: glTF's, right-handed, +Y up, metres.
+// cameras, Gaussian splats and a background. It is validated once, where it is made
+// (`validate_scene`), and trusted from then on. World frame: glTF's, right-handed, +Y up, metres.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 
 #include "omma/scene_kinds.h"
 #include "omma/spectrum.h"
+#include "omma/splats.h"
 #include "omma/vec.h"
 
 namespace omma {
@@ -187,6 +188,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<HitBox> hit_boxes;
   std::vector<PunctualLight> lights;
+  std::vector<SplatCloud> splats;
   Background background;
   std::shared_ptr<const Rig> rig;        // how things move and change their shape; null: nothing does
   std::vector<std::string> scene_names;  // of all scenes in the file
@@ -206,7 +208,7 @@ struct Bounds {
 // Checks every handle and number; throws omma::Error naming scene.path and the place.
 void validate_scene(const Scene& scene);
 
-// Corners of the box around all instances.
+// Corners of the box around all instances and the middles of splats.
 Bounds scene_bounds(const Scene& scene);
 
 // Corners of the box around a hit box, in the world.
@@ -218,6 +220,9 @@ bool is_inside(const HitBox& box, Vec3d point);
 
 // Triangles as seen: each instance counts those of its mesh.
 std::uint64_t triangle_count(const Scene& scene);
+
+// Gaussian splats of all clouds.
+std::uint64_t splat_count(const Scene& scene);
 
 // The camera whose node, or else which itself, has that name; throws omma::Error that lists the
 // names and indices there are, or where several have it.

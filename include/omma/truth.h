@@ -1,5 +1,6 @@
 // Ground truth beside radiance: what the rays of each ommatidium met, weighted as radiance is. Of
-// layers that let light through the first surface met counts; cut-outs are as they are seen.
+// layers that let light through the first surface met counts; cut-outs are as they are seen. Of
+// Gaussian splats a ray meets the one before and in which half of its light is.
 #pragma once
 
 #include <cstdint>
@@ -27,13 +28,16 @@ struct TruthCall {
   std::span<float> distance_m = {};
   std::span<float> nearest_m = {};
   std::span<float> inverse_distance_per_m = {};
+  // Of all that light comes from, weighted by how much does: in worlds without Gaussian splats the
+  // same as distance_m, which among splats is where half of a ray's light comes from before.
+  std::span<float> source_distance_m = {};
   std::span<float> met = {};  // [pose, ommatidium], share of the field in which anything was met
   // [pose, ommatidium, axis] in the world: means over what was met, not a number where nothing was.
   // Normals are those of triangles, of unit length and towards the eye, before the mean.
   std::span<double> position_m = {};
   std::span<float> normal = {};
-  // Shares of the field, [pose, ommatidium, group], and the group of each of World::instances, -1
-  // for none.
+  // Shares of the field, [pose, ommatidium, group], and the group of each of World::instances and
+  // of each cloud of splats behind them, -1 for none.
   std::span<float> shares = {};
   std::span<const std::int32_t> share_of_instance = {};  // [instance of the world]
   int share_count = 0;

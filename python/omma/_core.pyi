@@ -747,6 +747,86 @@ class HitBox:
         Another one that differs in what is given by keyword, as for making one.
         """
 
+class SplatCloud:
+    """
+    Gaussian splats (Kerbl et al. 2023, doi:10.1145/3592433): a place as photographs have it, N
+    soft ellipsoids, each with an opacity and a colour that depends on from where it is seen.
+    They hold the light of their capture, and nothing lights them.
+
+    ``positions_m`` (N, 3) are their middles, ``scales_m`` (N, 3), m, standard deviations along
+    their own axes, which ``rotations`` (N, 4), unit quaternions x, y, z, w, turn;
+    ``opacities`` (N,), 0 to 1; ``harmonics`` (N, 1, 4, 9 or 16, 3), spherical harmonics of
+    degree 0 to 3 by RGB, in the order and with the signs of Kerbl et al.: a colour is 0.5 and
+    their sum, no less than 0. ``color_space``, 'srgb' or 'linear', is that in which they were
+    trained and are composited; ``direction`` is what colours depend on: 'center', from where a
+    ray starts to the middle of a splat, as Kerbl et al. have it, or 'ray', its own direction,
+    as Moenne-Loccoz et al. 2024 (doi:10.1145/3687934). ``white`` is the linear RGB that a
+    colour of 1 is; `omma.scene.calibrate` finds it. ``world_from_splats`` (4, 4) places them,
+    m.
+
+    Raises `omma.Error`, which names the splat, where sizes do not go together or a number is
+    not what it stands for.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, positions_m: numpy.typing.ArrayLike, scales_m: numpy.typing.ArrayLike, rotations: numpy.typing.ArrayLike, opacities: numpy.typing.ArrayLike, harmonics: numpy.typing.ArrayLike, *, color_space: str = 'srgb', direction: str = 'center', white: numpy.typing.ArrayLike = (1, 1, 1), world_from_splats: numpy.typing.ArrayLike | None = None, name: str = '') -> None: ...
+
+    @property
+    def positions_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(N, 3), m, in their own frame."""
+
+    @property
+    def scales_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(N, 3), m."""
+
+    @property
+    def rotations(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(N, 4), x, y, z, w."""
+
+    @property
+    def opacities(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(N,), 0 to 1."""
+
+    @property
+    def harmonics(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(N, 1, 4, 9 or 16, 3)."""
+
+    @property
+    def color_space(self) -> str: ...
+
+    @property
+    def direction(self) -> str: ...
+
+    @property
+    def white(self, /) -> tuple[float, float, float]:
+        """Linear RGB that a colour of 1 is."""
+
+    @property
+    def world_from_splats(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(4, 4), m."""
+
+    @property
+    def name(self) -> str: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> SplatCloud: ...
+
+    def __deepcopy__(self, memo: object) -> SplatCloud: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> SplatCloud:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
 class Animation:
     """An animation of a scene's file."""
 
@@ -874,8 +954,8 @@ class PunctualLight:
 
 class Scene:
     """
-    A scene: meshes, instances, materials, textures, cameras, lamps and a background, in
-    glTF's world frame (right-handed, +Y up, metres). Read-only.
+    A scene: meshes, instances, materials, textures, cameras, lamps, Gaussian splats and a
+    background, in glTF's world frame (right-handed, +Y up, metres). Read-only.
 
     `omma.load_scene` reads one; here one is made of its parts, which are in `omma.scene`. They
     refer to each other by index: an instance to its mesh, a mesh to its material, a material
@@ -890,7 +970,7 @@ class Scene:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), background: Background | None = None, color_rule: str = 'gltf', rig: Rig | None = None) -> None: ...
+    def __init__(self, *, meshes: Iterable[Mesh] = (), instances: Iterable[Instance] | None = None, materials: Iterable[Material] = (), textures: Iterable[Texture] | None = None, images: Iterable[Image] = (), cameras: Iterable[Camera] = (), hit_boxes: Iterable[HitBox] = (), lights: Iterable[PunctualLight] = (), splats: Iterable[SplatCloud] = (), background: Background | None = None, color_rule: str = 'gltf', rig: Rig | None = None) -> None: ...
 
     @property
     def rig(self, /) -> Rig | None:
@@ -929,6 +1009,14 @@ class Scene:
     @property
     def lights(self) -> list[PunctualLight]:
         """Lamps, which shine in a world with a light."""
+
+    @property
+    def splats(self, /) -> list[SplatCloud]:
+        """Clouds of Gaussian splats, which hold the light of their capture."""
+
+    @property
+    def splat_count(self) -> int:
+        """Gaussian splats of all clouds."""
 
     @property
     def color_rule(self) -> str:

@@ -67,6 +67,7 @@ void bind_material(nb::module_& m);
 void bind_mesh(nb::module_& m);
 void bind_instance(nb::module_& m);
 void bind_hit_box(nb::module_& m);
+void bind_splats(nb::module_& m);
 void bind_punctual_light(nb::module_& m);
 void bind_acceptance(nb::module_& m);
 void bind_light(nb::module_& m);

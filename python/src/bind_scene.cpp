@@ -28,9 +28,9 @@ constexpr Words<ColorRule, 2> color_rules = {
     {{"gltf", ColorRule::gltf}, {"compoundray", ColorRule::compoundray}}};
 
 // What makes an equal scene: keywords of the constructor and properties, both.
-const std::vector<const char*> fields = {"meshes",     "instances", "materials", "textures",
-                                         "images",     "cameras",   "hit_boxes", "lights",
-                                         "background", "color_rule", "rig"};
+const std::vector<const char*> fields = {"meshes", "instances",  "materials",  "textures",
+                                         "images", "cameras",    "hit_boxes",  "lights",
+                                         "splats", "background", "color_rule", "rig"};
 
 // A list of parts of one kind; None gives an empty one.
 template <typename T>
@@ -82,6 +82,7 @@ Scene made_scene(const nb::dict& given) {
   take_parts("cameras", scene.cameras);
   take_parts("hit_boxes", scene.hit_boxes);
   take_parts("lights", scene.lights);
+  take_parts("splats", scene.splats);
   if (has("background")) {
     const nb::object background = given["background"];
     if (!nb::isinstance<Background>(background))
@@ -193,8 +194,8 @@ void bind_scene(nb::module_& m) {
   using Self = nb::handle_t<Scene>;
   nb::class_<Scene> scene_class(
       m, "Scene",
-      "A scene: meshes, instances, materials, textures, cameras, lamps and a background, in\n"
-      "glTF's world frame (right-handed, +Y up, metres). Read-only.\n\n"
+      "A scene: meshes, instances, materials, textures, cameras, lamps, Gaussian splats and a\n"
+      "background, in glTF's world frame (right-handed, +Y up, metres). Read-only.\n\n"
       "`omma.load_scene` reads one; here one is made of its parts, which are in `omma.scene`. "
       "They\n"
       "refer to each other by index: an instance to its mesh, a mesh to its material, a material\n"
@@ -215,9 +216,9 @@ void bind_scene(nb::module_& m) {
                   "collections.abc.Iterable[Image] = (), cameras: "
                   "collections.abc.Iterable[Camera] = (), hit_boxes: "
                   "collections.abc.Iterable[HitBox] = (), lights: "
-                  "collections.abc.Iterable[PunctualLight] = (), background: Background | None = "
-                  "None, "
-                  "color_rule: str = 'gltf', rig: Rig | None = None) -> None"))
+                  "collections.abc.Iterable[PunctualLight] = (), splats: "
+                  "collections.abc.Iterable[SplatCloud] = (), background: Background | None = "
+                  "None, color_rule: str = 'gltf', rig: Rig | None = None) -> None"))
       .def_prop_ro(
           "rig", [](const Scene& s) { return std::const_pointer_cast<Rig>(s.rig); },
           nb::for_getter(nb::sig("def rig(self, /) -> Rig | None")),
@@ -254,6 +255,11 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro(
           "lights", [](const Scene& s) { return s.lights; },
           "Lamps, which shine in a world with a light.")
+      .def_prop_ro(
+          "splats", [](Self self) { return own_parts(self, &Scene::splats); },
+          nb::for_getter(nb::sig("def splats(self, /) -> list[SplatCloud]")),
+          "Clouds of Gaussian splats, which hold the light of their capture.")
+      .def_prop_ro("splat_count", &splat_count, "Gaussian splats of all clouds.")
       .def_prop_ro(
           "color_rule", [](const Scene& s) { return word_of(color_rules, s.color_rule); },
           "'gltf' or 'compoundray': see `omma.load_scene`.")

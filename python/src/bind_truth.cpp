@@ -41,6 +41,7 @@ void render_truth(const Renderer& renderer, const Poses& poses, const nb::dict& 
   truth.nearest_m = memory_of<float>(arrays, "nearest_m");
   truth.inverse_distance_per_m = memory_of<float>(arrays, "inverse_distance_per_m");
   truth.met = memory_of<float>(arrays, "met");
+  truth.source_distance_m = memory_of<float>(arrays, "source_distance_m");
   truth.position_m = memory_of<double>(arrays, "position_m");
   truth.normal = memory_of<float>(arrays, "normal");
   truth.shares = memory_of<float>(arrays, "shares");

@@ -56,6 +56,7 @@ NB_MODULE(_core, m) {
   omma::python::bind_mesh(m);
   omma::python::bind_instance(m);
   omma::python::bind_hit_box(m);
+  omma::python::bind_splats(m);
   omma::python::bind_rig(m);
   omma::python::bind_punctual_light(m);
   omma::python::bind_scene(m);

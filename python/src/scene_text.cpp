@@ -79,6 +79,7 @@ std::string scene_repr(const Scene& scene) {
   return "<omma.Scene " +
          (scene.path.empty() ? "in memory" : "'" + readable_text(scene.path) + "'") + ": " +
          std::to_string(triangle_count(scene)) + " triangles, " +
+         (scene.splats.empty() ? "" : std::to_string(splat_count(scene)) + " splats, ") +
          std::to_string(scene.cameras.size()) + " cameras>";
 }
 
@@ -97,6 +98,9 @@ std::string scene_html(const Scene& scene) {
                                   : point(box.lower.x, box.lower.y, box.lower.z) + " to " +
                                         point(box.upper.x, box.upper.y, box.upper.z) + " m");
   html += row("background", background_text(scene.background));
+  if (!scene.splats.empty())
+    html += row("splats", grouped(splat_count(scene)) + " Gaussian splats in " +
+                              grouped(scene.splats.size()) + " clouds");
   if (!scene.lights.empty()) html += row("lights", grouped(scene.lights.size()));
   if (!scene.hit_boxes.empty()) html += row("hit boxes", grouped(scene.hit_boxes.size()));
   for (std::size_t i = 0; i < scene.cameras.size() && i < most_rows; ++i) {

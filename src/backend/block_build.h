@@ -29,6 +29,7 @@ struct CancellableSearch {
     return search.occluded(lanes, rays);
   }
   const PlacedMesh* placed() const { return search.placed(); }
+  Visits<packet_rays> visits_of_trees() const { return search.visits_of_trees(); }
 };
 
 // `MakeSearch`: a lambda without captures that makes a search of what the backend built.

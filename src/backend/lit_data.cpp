@@ -96,6 +96,11 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
     lit->emission.push_back(make_emission_matrix(light, scene.materials[m]));
     if (!lit->emission.back().empty()) materials[m].emission = lit->emission.back().data();
   }
+  if (!scene.splats.empty()) {
+    Material shining;
+    shining.emissive = {1, 1, 1};
+    lit->splat_emission = make_emission_matrix(light, shining);
+  }
   SceneView& view = lit->view;
   view = lit->shading->view;
   view.version = new_version();
@@ -121,6 +126,8 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   const auto per_unit = static_cast<float>(1 / lit->light->radiance_unit);
   for (std::vector<float>& matrix : lit->emission)
     for (float& x : matrix) x *= per_unit;
+  for (float& x : lit->splat_emission) x *= per_unit;
+  if (!lit->splat_emission.empty()) view.splat_emission = lit->splat_emission.data();
   if (lighting.baked != nullptr) {
     lit->baked_light = lighting.baked;
     read_baked(*lighting.baked, *lit->light, frames, lit->baked);

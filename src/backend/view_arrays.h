@@ -23,6 +23,7 @@
 #include "physics/views/gather_task.h"
 #include "physics/views/light_view.h"
 #include "physics/views/scene_view.h"
+#include "physics/views/splats_view.h"
 
 namespace omma {
 
@@ -147,6 +148,20 @@ void visit_arrays(SunMapView& view, Visit& visit) {
   visit(view.words, {view.tile_count, sun_tile_words});
 }
 
+template <typename Visit>
+void visit_arrays(SplatCloudView& view, Visit& visit) {
+  visit(view.harmonics, {view.splat_count, view.terms, 3});
+}
+
+template <typename Visit>
+void visit_arrays(SplatsView& view, Visit& visit, Version placed) {
+  const OfVersion own(visit, view.version);
+  visit(view.nodes, {view.node_count});
+  visit(view.splats, {view.splat_count});
+  visit.views(view.clouds, {view.cloud_count});
+  visit(view.first_origin_m, {3}, placed);
+}
+
 // --- What shines.
 
 template <typename Visit>
@@ -206,6 +221,8 @@ void visit_arrays(SceneView& view, Visit& visit) {
   visit(view.power_22, {power_22_size});
   visit(view.opacity_states, {view.opacity_word_count});
   visit(view.frame_from_mesh, {view.instance_count, 3, 4}, now.placed);
+  visit.views(view.splats, {1}, now.placed);
+  visit(view.splat_emission, {view.bands, 3});
   visit(view.band_from_rgb, {view.bands, 3}, view.bands_version);
   visit.views(view.light, {1}, now.placed);
   visit.views(view.scatter, {view.material_count}, view.bands);
@@ -332,6 +349,7 @@ void visit_arrays(TruthTask& view, Visit& visit, const FrameView& frame) {
   visit(view.normal, {ommatidia, 3});
   visit(view.shares, {ommatidia, frame.truth->shares});
   visit(view.position_m, {ommatidia, 3});
+  visit(view.source_distance_m, {ommatidia});
   visit(view.flow_rotation, {ommatidia, 2});
   visit(view.flow_translation, {ommatidia, 2});
   visit(view.flow_objects, {ommatidia, 2});

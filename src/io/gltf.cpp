@@ -18,6 +18,7 @@
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_rig.h"
+#include "io/gltf_splats.h"
 #include "io/gltf_textures.h"
 #include "io/gltf_warnings.h"
 #include "model/scene_place.h"
@@ -170,6 +171,10 @@ std::vector<int> add_meshes(Loader& loader, GltfMeshReader& reader, const json& 
   }
   std::size_t index = 0;
   for (const json& primitive : source["primitives"]) {
+    if (has_splats(primitive)) {
+      ++index;
+      continue;
+    }
     Mesh mesh;
     mesh.name = source.value("name", "");
     Deformation one = deformation;
@@ -186,6 +191,20 @@ std::vector<int> add_meshes(Loader& loader, GltfMeshReader& reader, const json& 
     loader.scene.meshes.push_back(std::move(mesh));
   }
   return meshes;
+}
+
+// Splats of a glTF mesh, placed.
+void add_splats(Loader& loader, const json& source, const std::string& place,
+                const std::string& name, const Mat4& world_from_node) {
+  std::size_t index = 0;
+  for (const json& primitive : source["primitives"]) {
+    const std::string own = place + ", primitive " + std::to_string(index++);
+    if (!has_splats(primitive)) continue;
+    SplatCloud cloud = read_gltf_splats(loader.gltf, primitive, own, loader.warnings);
+    cloud.name = name;
+    cloud.world_from_splats = world_from_node;
+    if (!cloud.positions.empty()) loader.scene.splats.push_back(std::move(cloud));
+  }
 }
 
 bool is_not_zero(double weight) {
@@ -270,6 +289,7 @@ void add_nodes(Loader& loader, const std::vector<int>& roots, const WorkPart& wo
         loader.gltf.budget.spend(placed.size(), sizeof(Instance) + node.name.size());
         for (const int primitive : placed)
           loader.scene.instances.push_back({node.name, primitive, world_from_node, visit.node});
+        add_splats(loader, mesh, place, node.name, world_from_node);
       }
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)

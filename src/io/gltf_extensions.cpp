@@ -8,16 +8,18 @@
 
 #include "io/draco_mesh.h"
 #include "io/gltf_lights.h"
+#include "io/gltf_splats.h"
 #include "io/meshopt.h"
 #include "omma/error.h"
 
 namespace omma {
 namespace {
 
-constexpr std::array<std::string_view, 16> read_extensions = {
+constexpr std::array<std::string_view, 17> read_extensions = {
     draco_extension,
     lights_extension,
     meshopt_extension,
+    splats_extension,
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_materials_clearcoat",
@@ -44,11 +46,12 @@ constexpr std::array<std::string_view, 10> unseen_extensions = {
 struct Conversion {
   std::string_view extension, command;
 };
-constexpr std::array<Conversion, 3> conversions = {
+constexpr std::array<Conversion, 5> conversions = {
     {{meshopt_extension, "gltfpack -noq -i in.glb -o out.glb"},
-     {draco_extension,
-      "import it into Blender and export it as glTF 2.0 without compression"},
-     {"KHR_texture_basisu", "gltf-transform ktxdecompress in.glb out.glb"}}};
+     {draco_extension, "import it into Blender and export it as glTF 2.0 without compression"},
+     {"KHR_texture_basisu", "gltf-transform ktxdecompress in.glb out.glb"},
+     {"KHR_gaussian_splatting_compression_spz", "splat-transform in.glb out.ply"},
+     {"KHR_gaussian_splatting_compression_spz_2", "splat-transform in.glb out.ply"}}};
 
 template <std::size_t count>
 bool is_among(const std::array<std::string_view, count>& names, std::string_view name) {

@@ -8,6 +8,7 @@
 
 #include "io/draco_mesh.h"
 #include "io/gltf_schema.h"
+#include "io/gltf_splats.h"
 #include "io/meshopt.h"
 
 namespace omma {
@@ -292,9 +293,13 @@ void add_geometry(GltfMember& root) {
        {"targets", integer_maps},
        {"extensions", object}});
   const std::string extensions = "meshes[].primitives[].extensions";
-  add(root, extensions, {{draco_extension, object}});
+  add(root, extensions, {{draco_extension, object}, {splats_extension, object}});
   add(root, extensions + "." + draco_extension,
       {{"bufferView", integer, required}, {"attributes", integer_map, required}});
+  const std::string splats = extensions + "." + splats_extension;
+  add(root, splats,
+      {{"kernel", string, required}, {"colorSpace", string, required}, {"extras", extras}});
+  add(root, splats + ".extras", {{"direction", anything}, {"white", three_numbers}});
   add(root, "accessors[]",
       {{"name", string},
        {"bufferView", integer},

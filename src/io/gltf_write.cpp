@@ -17,6 +17,7 @@
 
 #include "io/glb_bytes.h"
 #include "io/gltf_lights.h"
+#include "io/gltf_splats.h"
 #include "io/gltf_writer.h"
 #include "io/image.h"
 #include "model/long_work.h"
@@ -189,6 +190,12 @@ void write_hit_box(GltfWriter& writer, const HitBox& box) {
   add_node(writer, {{"mesh", writer.push("meshes", std::move(mesh))}}, "", box.world_from_mesh);
 }
 
+void write_splats(GltfWriter& writer, const SplatCloud& cloud) {
+  if (cloud.positions.empty()) return;
+  const json mesh = {{"primitives", {written_splats(writer, cloud)}}};
+  add_node(writer, {{"mesh", writer.push("meshes", mesh)}}, cloud.name, cloud.world_from_splats);
+}
+
 void write_light(GltfWriter& writer, const PunctualLight& light) {
   writer.use_extension(lights_extension);
   json& lights = writer.document["extensions"][lights_extension]["lights"];
@@ -253,6 +260,7 @@ std::string glb_of(const Scene& scene, const WorkPart& work) {
   for (const Camera& camera : scene.cameras) write_camera(writer, camera);
   for (const HitBox& box : scene.hit_boxes) write_hit_box(writer, box);
   for (const PunctualLight& light : scene.lights) write_light(writer, light);
+  for (const SplatCloud& cloud : scene.splats) write_splats(writer, cloud);
   write_background(writer, scene.background, work.part((images - 1) / images, 1));
   return glb_bytes(writer.document, std::move(writer.binary), "the scene");
 }

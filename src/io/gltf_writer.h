@@ -42,12 +42,13 @@ struct GltfWriter {
   template <typename Vector>
   int floats(const std::vector<Vector>& values) {
     constexpr int gl_float = 5126, gl_array_buffer = 34962;  // of the glTF 2.0 specification
-    constexpr int components = sizeof(Vector) / sizeof(float);
+    constexpr std::size_t components = sizeof(Vector) / sizeof(float);
     const int at = view(values.data(), values.size() * sizeof(Vector), gl_array_buffer);
     return push("accessors", {{"bufferView", at},
                               {"componentType", gl_float},
                               {"count", values.size()},
-                              {"type", "VEC" + std::to_string(components)}});
+                              {"type", components == 1 ? std::string("SCALAR")
+                                                       : "VEC" + std::to_string(components)}});
   }
 };
 

@@ -12,6 +12,7 @@
 
 #include "model/rig_check.h"
 #include "model/scene_light.h"
+#include "model/splat_check.h"
 #include "omma/error.h"
 #include "omma/rig.h"  // IWYU pragma: keep, compared here
 
@@ -234,7 +235,8 @@ bool operator==(const Scene& a, const Scene& b) {
   return a.color_rule == b.color_rule && a.meshes == b.meshes &&
          same_instances(a.instances, b.instances) && a.materials == b.materials &&
          a.textures == b.textures && a.images == b.images && a.cameras == b.cameras &&
-         a.hit_boxes == b.hit_boxes && a.lights == b.lights && a.background == b.background &&
+         a.hit_boxes == b.hit_boxes && a.lights == b.lights && a.splats == b.splats &&
+         a.background == b.background &&
          (a.rig == b.rig || (a.rig != nullptr && b.rig != nullptr && *a.rig == *b.rig));
 }
 
@@ -285,6 +287,7 @@ void validate_scene(const Scene& scene) {
     check_punctual_light(light, place + ": ");
     check_transform(light.world_from_light, place, "world_from_light");
   }
+  check_splats(scene);
   check_rig(scene);
   const std::string background =
       (scene.path.empty() ? "scene" : scene.path) + std::string(": background");
@@ -301,20 +304,23 @@ void validate_scene(const Scene& scene) {
 Bounds scene_bounds(const Scene& scene) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Bounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, true};
+  const auto include = [&](Vec3d p) {
+    bounds.lower = {std::min(bounds.lower.x, p.x), std::min(bounds.lower.y, p.y),
+                    std::min(bounds.lower.z, p.z)};
+    bounds.upper = {std::max(bounds.upper.x, p.x), std::max(bounds.upper.y, p.y),
+                    std::max(bounds.upper.z, p.z)};
+    bounds.empty = false;
+  };
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
     // Only vertices of triangles are seen.
     for (const auto& triangle : mesh.triangles)
-      for (const std::uint32_t vertex : triangle) {
-        const Vec3d p =
-            transform_point(instance.world_from_mesh, to_double(mesh.positions[vertex]));
-        bounds.lower = {std::min(bounds.lower.x, p.x), std::min(bounds.lower.y, p.y),
-                        std::min(bounds.lower.z, p.z)};
-        bounds.upper = {std::max(bounds.upper.x, p.x), std::max(bounds.upper.y, p.y),
-                        std::max(bounds.upper.z, p.z)};
-        bounds.empty = false;
-      }
+      for (const std::uint32_t vertex : triangle)
+        include(transform_point(instance.world_from_mesh, to_double(mesh.positions[vertex])));
   }
+  for (const SplatCloud& cloud : scene.splats)
+    for (const Vec3 middle : cloud.positions)
+      include(transform_point(cloud.world_from_splats, to_double(middle)));
   if (bounds.empty) return {};
   return bounds;
 }
@@ -354,6 +360,12 @@ std::uint64_t triangle_count(const Scene& scene) {
   std::uint64_t count = 0;
   for (const Instance& instance : scene.instances)
     count += scene.meshes[static_cast<std::size_t>(instance.mesh)].triangles.size();
+  return count;
+}
+
+std::uint64_t splat_count(const Scene& scene) {
+  std::uint64_t count = 0;
+  for (const SplatCloud& cloud : scene.splats) count += cloud.positions.size();
   return count;
 }
 

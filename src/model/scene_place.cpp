@@ -98,6 +98,8 @@ Bounds rough_scene_bounds(const Scene& scene) {
   for (const Instance& instance : scene.instances)
     all = box_around(
         all, placed_box(boxes[static_cast<std::size_t>(instance.mesh)], instance.world_from_mesh));
+  for (const SplatCloud& cloud : scene.splats)
+    all = box_around(all, placed_box(vertex_bounds(cloud.positions), cloud.world_from_splats));
   return all.empty ? Bounds{} : all;
 }
 

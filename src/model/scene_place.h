@@ -27,8 +27,8 @@ inline constexpr double least_determinant = 1e-30;
 Bounds vertex_bounds(const std::vector<Vec3>& positions);
 Bounds mesh_bounds(const Mesh& mesh);
 
-// Corners of a box around all instances; not the tightest where they are turned or have vertices
-// that no triangle uses, but found without placing every vertex.
+// Corners of a box around all instances and splats; not the tightest where they are turned or have
+// vertices that no triangle uses, but found without placing every vertex.
 Bounds rough_scene_bounds(const Scene& scene);
 
 // Half the longest side of a box, m.

@@ -36,10 +36,10 @@ std::span<T> of_pose(std::span<T> all, std::size_t pose, std::size_t poses) {
 // The ground truth of a call, sliced to some of its poses.
 TruthCall truth_of_poses(const TruthCall& all, Stretch part, std::size_t poses) {
   TruthCall some = all;
-  for (std::span<float> TruthCall::* const output :
+  for (std::span<float> TruthCall::*const output :
        {&TruthCall::distance_m, &TruthCall::nearest_m, &TruthCall::inverse_distance_per_m,
-        &TruthCall::met, &TruthCall::normal, &TruthCall::shares, &TruthCall::flow_rotation,
-        &TruthCall::flow_translation, &TruthCall::flow_objects})
+        &TruthCall::source_distance_m, &TruthCall::met, &TruthCall::normal, &TruthCall::shares,
+        &TruthCall::flow_rotation, &TruthCall::flow_translation, &TruthCall::flow_objects})
     some.*output = of_poses(all.*output, part, poses);
   some.position_m = of_poses(all.position_m, part, poses);
   some.head = of_poses(all.head, part, poses);

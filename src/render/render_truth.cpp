@@ -36,26 +36,33 @@ void for_each_part(const BuiltScene& built, std::size_t thing, const Put& put) {
     put(static_cast<std::size_t>(built.things.instance[static_cast<std::size_t>(part)]));
 }
 
-// One element at least, which vector loops read where nothing was met.
+// Clouds of splats stand behind the instances. One element at least, which vector loops read where
+// nothing was met.
 std::vector<std::int32_t> table_of_instances(const BuiltScene& built) {
-  return std::vector<std::int32_t>(std::max<std::size_t>(built.scene->instances.size(), 1), -1);
+  const std::size_t count = built.scene->instances.size() + built.scene->splats.size();
+  return std::vector<std::int32_t>(std::max<std::size_t>(count, 1), -1);
 }
 
 void take_shares(const TruthCall& call, const BuiltScene& built, Truth& truth) {
   if (call.share_count < 0 || call.share_count > most_shares)
     throw Error("share_count: expected 0 to " + std::to_string(most_shares) + ", found " +
                 std::to_string(call.share_count));
-  if (call.share_of_instance.size() != built.things.count())
-    throw Error("share_of_instance: expected a group for each of " +
-                std::to_string(built.things.count()) + " instances, found " +
-                std::to_string(call.share_of_instance.size()));
+  const std::size_t things = built.things.count(), clouds = built.scene->splats.size();
+  if (call.share_of_instance.size() != things + clouds)
+    throw Error("share_of_instance: expected a group for each of " + std::to_string(things) +
+                " instances" +
+                (clouds > 0 ? " and " + std::to_string(clouds) + " clouds of splats" : "") +
+                ", found " + std::to_string(call.share_of_instance.size()));
   truth.share_of_instance = table_of_instances(built);
-  for (std::size_t thing = 0; thing < built.things.count(); ++thing) {
+  for (std::size_t thing = 0; thing < things + clouds; ++thing) {
     const std::int32_t group = call.share_of_instance[thing];
     if (group < -1 || group >= call.share_count)
       throw Error("share_of_instance[" + std::to_string(thing) + "]: expected -1 to " +
                   std::to_string(call.share_count - 1) + ", found " + std::to_string(group));
-    for_each_part(built, thing, [&](std::size_t i) { truth.share_of_instance[i] = group; });
+    if (thing < things)
+      for_each_part(built, thing, [&](std::size_t i) { truth.share_of_instance[i] = group; });
+    else
+      truth.share_of_instance[built.scene->instances.size() + thing - things] = group;
   }
   truth.view.shares = call.share_count;
   truth.view.share_of_instance = truth.share_of_instance.data();
@@ -112,6 +119,7 @@ Truth checked_truth(const TruthCall& call, const BuiltScene& built, std::size_t 
   asks("nearest_m", call.nearest_m, 1, one);
   asks("inverse_distance_per_m", call.inverse_distance_per_m, 1, one);
   asks("met", call.met, 1, one);
+  truth.view.sources = asks("source_distance_m", call.source_distance_m, 1, one);
   const char* vector = "pose x ommatidium x axis";
   truth.view.places = asks("position_m", call.position_m, 3, vector);
   truth.view.places = asks("normal", call.normal, 3, vector) || truth.view.places;
@@ -148,6 +156,7 @@ Truth checked_truth(const TruthCall& call, const BuiltScene& built, std::size_t 
     task.nearest_m = of_pose(call.nearest_m, 1);
     task.inverse_distance_per_m = of_pose(call.inverse_distance_per_m, 1);
     task.met = of_pose(call.met, 1);
+    task.source_distance_m = of_pose(call.source_distance_m, 1);
     task.position_m = of_pose(call.position_m, 3);
     task.normal = of_pose(call.normal, 3);
     task.shares = of_pose(call.shares, static_cast<std::size_t>(call.share_count));

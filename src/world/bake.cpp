@@ -45,6 +45,7 @@ constexpr double first_unit = 0x1p12, more_unit = 0x1p9;
 void check(const World& world, const BakeSettings& settings) {
   if (!world.settings().lighting)
     throw Error("baked light: expected a world with a light, found one without");
+  expect_no_splats(*world.state().built->scene);
   if (world.settings().lighting->baked != nullptr)
     throw Error("baked light: expected a world that is lit by paths, found one with baked light");
   if (world.settings().lighting->depth != 0)

@@ -41,6 +41,7 @@ SceneView view_of(const World::State& state) {
   view.background = state.background.view;
   view.frame_from_mesh = state.built->frames.data();
   view.changing = &state.built->versions;
+  if (state.built->splats != nullptr) view.splats = &state.built->splats->view;
   if (!state.band_from_rgb.empty()) {
     view.bands = static_cast<int>(state.band_from_rgb.size() / 3);
     view.band_from_rgb = state.band_from_rgb.data();
@@ -141,6 +142,7 @@ void check_lighting(const WorldSettings& settings, const Scene& scene) {
                 std::to_string(lighting.depth));
   validate_light(lighting.light, scene.materials.size() + 1);
   if (lighting.baked != nullptr) {
+    expect_no_splats(scene);
     if (lighting.depth != 0)
       throw Error("depth: expected 0, as many scatterings as it takes, of light that is baked; found " +
                   std::to_string(lighting.depth));
@@ -163,6 +165,13 @@ void check_background(const Background& background) {
 }
 
 }  // namespace
+
+void expect_no_splats(const Scene& scene) {
+  if (!scene.splats.empty())
+    throw Error(
+        "baked light: expected a scene without Gaussian splats, found some; light is followed "
+        "along paths there (lighting=\"path\")");
+}
 
 Rendering::Rendering(const World& world) : built_(*world.state().built) {
   int before = built_.renders;
@@ -212,6 +221,9 @@ World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,
     built.versions.colored = new_version();
     built.times.scene_s = seconds_since(start);
     const auto before_building = Clock::now();
+    if (!built.scene->splats.empty())
+      built.splats =
+          make_splat_data(*built.scene, built.placement.origin_m, built.first_origin_now_m, &work);
     take_acceleration(built, built_as_placed(built, work));
     built.times.acceleration_s = seconds_since(before_building);
     light_up(*state);

@@ -18,6 +18,11 @@ Bounds box_of(const BuiltScene& built, std::size_t instance, const Mat4& world_f
       world_from_mesh);
 }
 
+// Around splats, which do not move.
+Bounds splat_box(const BuiltScene& built) {
+  return built.splats != nullptr ? built.splats->box : Bounds{};
+}
+
 // Around all as it is placed; `still_box` where that has not changed.
 Bounds box_around_all(const BuiltScene& built) {
   Bounds box = built.still_box;
@@ -192,7 +197,7 @@ Acceleration built_as_placed(const BuiltScene& built, WorkState& work) {
 
 void take_acceleration(BuiltScene& built, Acceleration acceleration) {
   std::vector<int> moving;
-  Bounds still;
+  Bounds still = splat_box(built);
   for (std::size_t i = 0; i < built.placement.moves.size(); ++i)
     if (built.placement.moves[i])
       moving.push_back(static_cast<int>(i));
@@ -263,7 +268,7 @@ void make_moves(BuiltScene& built, Moves moves, const Progress& progress) {
   bool built_anew = newly;
   try {
     check_reach(built, reshapes);
-    Bounds box = newly ? Bounds{} : box_around_all(built);
+    Bounds box = newly ? splat_box(built) : box_around_all(built);
     for (std::size_t i = 0; newly && i < placement.moves.size(); ++i)
       box = box_around(box, box_of(built, i, placement.world_from_mesh[i]));
     placement.half_size_m = omma::half_size_m(box);

@@ -12,6 +12,7 @@
 #include "backend/backend.h"
 #include "backend/lit_data.h"
 #include "backend/shading_data.h"
+#include "backend/splat_data.h"
 #include "model/long_work.h"
 #include "model/scene_place.h"
 #include "omma/world.h"
@@ -57,6 +58,7 @@ struct BuiltScene {
 
   std::shared_ptr<const Scene> scene;
   std::unique_ptr<ShadingData> shading;
+  std::unique_ptr<SplatData> splats;  // null where there are none
   WorldBuildTimes times;
   ThreadArena threads;
   const Backend* backend = nullptr;
@@ -75,7 +77,7 @@ struct BuiltScene {
   Vec3d first_origin_m;
   float first_origin_now_m[3] = {0, 0, 0};
   ChangingVersions versions;  // of what the views read of these, and of colours
-  Bounds still_box;         // around what was never moved
+  Bounds still_box;           // around what was never moved, and splats
   std::vector<int> moving;  // indices of instances that were
   // Pictures that replaced images of the scene, by image; their addresses stay.
   std::map<int, std::unique_ptr<const Image>> images;
@@ -99,6 +101,10 @@ inline std::size_t first_instance(const BuiltScene& built, std::size_t thing) {
 inline const std::string& name_of(const BuiltScene& built, std::size_t thing) {
   return built.scene->instances[first_instance(built, thing)].name;
 }
+
+// Cells of baked light know nothing of what dims and what shines between surfaces: throws
+// omma::Error where there are splats.
+void expect_no_splats(const Scene& scene);
 
 // An acceleration structure of the scene as it is placed now.
 Acceleration built_as_placed(const BuiltScene& built, WorkState& work);

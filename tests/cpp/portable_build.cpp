@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "backend/portable/build.h"
+#include "backend/build_tree.h"
 #include "omma/error.h"
 #include "portable_rays.h"
 #include "threads/parallel.h"

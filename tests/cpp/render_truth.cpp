@@ -12,8 +12,8 @@ namespace {
 
 // Room for all that a call can ask.
 struct TruthRoom {
-  std::vector<float> responses, errors, distance, nearest, inverse, met, normal, shares, rotation,
-      translation, objects;
+  std::vector<float> responses, errors, distance, nearest, inverse, source, met, normal, shares,
+      rotation, translation, objects;
   std::vector<double> position;
   std::vector<std::int32_t> share_of_instance, moving, rays;
   std::vector<Velocity> head, velocities;
@@ -23,7 +23,7 @@ struct TruthRoom {
   void render(const Renderer& renderer, std::span<const Mat4> poses) {
     const std::size_t size = poses.size() * renderer.eye().size();
     responses.resize(size * rgb_bands);
-    for (auto* one : {&distance, &nearest, &inverse, &met}) one->resize(size);
+    for (auto* one : {&distance, &nearest, &inverse, &source, &met}) one->resize(size);
     position.resize(size * 3);
     normal.resize(size * 3);
     shares.resize(size * static_cast<std::size_t>(share_count));
@@ -37,6 +37,7 @@ struct TruthRoom {
     truth.distance_m = distance;
     truth.nearest_m = nearest;
     truth.inverse_distance_per_m = inverse;
+    truth.source_distance_m = source;
     truth.met = met;
     truth.position_m = position;
     truth.normal = normal;
@@ -112,6 +113,7 @@ TEST(Truth, OfASphereAround) {
       EXPECT_NEAR(truth.nearest[i], 2, 2e-4);
       EXPECT_LE(truth.nearest[i], truth.distance[i] + 1e-6);
       EXPECT_NEAR(truth.inverse[i], 0.5, 5e-5);
+      EXPECT_EQ(truth.source[i], truth.distance[i]);
       const Vec3d axis = to_double(eye.axis[i]);
       const Vec3d place{truth.position[3 * i], truth.position[3 * i + 1],
                         truth.position[3 * i + 2]};

@@ -163,6 +163,25 @@ TEST(ViewArrays, OfLayers) {
   expect_same_from_copies(setup);
 }
 
+TEST(ViewArrays, OfSplats) {
+  Scene scene;
+  for (int i = 0; i < 2; ++i) {
+    SplatCloud& cloud = scene.splats.emplace_back();
+    cloud.terms = i == 0 ? 1 : 4;
+    for (int k = 0; k < 30; ++k) {
+      cloud.positions.push_back({0.2f * static_cast<float>(k % 5), 0, -1 - static_cast<float>(k)});
+      cloud.scales.push_back({0.3f, 0.2f, 0.1f});
+      cloud.rotations.push_back({0, 0, 0, 1});
+      cloud.opacities.push_back(0.2f);
+      cloud.harmonics.resize(cloud.harmonics.size() + 3 * static_cast<std::size_t>(cloud.terms),
+                             0.1f);
+    }
+  }
+  FrameSetup setup(portable_world(scene), some_eye(), {});
+  EXPECT_NE(setup.frame.scene->splats, nullptr);
+  expect_same_from_copies(setup);
+}
+
 TEST(ViewArrays, OfNothing) {
   Scene scene;
   scene.background = constant_background({1, 0.5f, 0.25f});

@@ -124,7 +124,7 @@ struct Asked {
 struct Results {
   std::vector<float> responses, errors, radiance;
   std::vector<std::int32_t> rays;
-  std::vector<float> distance, nearest, inverse, met, normal, shares, rotation, translation,
+  std::vector<float> distance, nearest, inverse, source, met, normal, shares, rotation, translation,
       objects;
   std::vector<double> position;
 
@@ -135,10 +135,10 @@ struct Results {
     };
     return same(a.responses, b.responses) && same(a.errors, b.errors) &&
            same(a.radiance, b.radiance) && same(a.rays, b.rays) && same(a.distance, b.distance) &&
-           same(a.nearest, b.nearest) && same(a.inverse, b.inverse) && same(a.met, b.met) &&
-           same(a.normal, b.normal) && same(a.shares, b.shares) && same(a.rotation, b.rotation) &&
-           same(a.translation, b.translation) && same(a.objects, b.objects) &&
-           same(a.position, b.position);
+           same(a.nearest, b.nearest) && same(a.inverse, b.inverse) && same(a.source, b.source) &&
+           same(a.met, b.met) && same(a.normal, b.normal) && same(a.shares, b.shares) &&
+           same(a.rotation, b.rotation) && same(a.translation, b.translation) &&
+           same(a.objects, b.objects) && same(a.position, b.position);
   }
 };
 
@@ -267,6 +267,7 @@ struct FrameSetup {
     call.nearest_m = room(results.nearest, 1);
     call.inverse_distance_per_m = room(results.inverse, 1);
     call.met = room(results.met, 1);
+    call.source_distance_m = room(results.source, 1);
     call.position_m = room(results.position, 3);
     call.normal = room(results.normal, 3);
     call.shares = room(results.shares, 2);

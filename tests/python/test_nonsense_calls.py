@@ -133,6 +133,7 @@ def public_calls(folder):
     scan = np.random.default_rng(0).random((40, 3)) * (1, 0.01, 1)
     np.savetxt(folder / "scan.xyz", scan)
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    splat = [(0, 0, -1)], [(0.1, 0.2, 0.3)], [(0, 0, 0, 1)], [0.5], np.zeros((1, 4, 3))
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     mesh = omma.scene.Mesh(corners, [[0, 1, 2]])
     swinging = swinging_box(folder / "swing.gltf")
@@ -173,8 +174,8 @@ def public_calls(folder):
         "Scene": {
             "meshes": (mesh,), "instances": (omma.scene.Instance(0),), "materials": (),
             "textures": (), "images": (), "cameras": (), "hit_boxes": (),
-            "lights": (), "background": omma.Background.simple_sky(), "color_rule": "gltf",
-            "rig": None,
+            "lights": (), "splats": (), "background": omma.Background.simple_sky(),
+            "color_rule": "gltf", "rig": None,
         },
         "Camera": ("bee",),
         "ExtraReflectance": (0, [omma.light.Spectrum([300, 400], [0.5, 0.5])]),
@@ -185,6 +186,11 @@ def public_calls(folder):
         "Mesh": {"positions_m": corners, "triangles": [[0, 1, 2]]},
         "PunctualLight": ("lamp",),
         "Spectrum": ([300, 400], [0.5, 0.5]),
+        "SplatCloud": splat,
+        "calibrate": {
+            "scene": omma.Scene(splats=[omma.scene.SplatCloud(*splat)]),
+            "gray_card": (0.5, 0.5, 0.5), "exposure": 12.0,
+        },
         "Texture": (0,),
         "TextureUse": (0,),
         "scene.sphere": {"segments": 8},

@@ -62,6 +62,7 @@ def all_round_eye(path=""):
 
 
 TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+SPLAT = [(0, 0, -1)], [(0.1, 0.2, 0.3)], [(0, 0, 0, 1)], [0.5], np.zeros((1, 4, 3))
 LENSES = np.stack(np.meshgrid(*[np.arange(4) * 2e-5] * 2, [0.0]), axis=-1).reshape(-1, 3)
 BULGING = LENSES - [3e-5, 3e-5, 0]
 BULGING[:, 2] = -np.sqrt(1e-6 - BULGING[:, 0] ** 2 - BULGING[:, 1] ** 2)
@@ -181,6 +182,7 @@ def examples(files, tmp_path_factory):
         "scene.PointCloud": omma.scene.PointCloud([[1.0, 2.0, 3.0]], labels=[2]),
         "scene.PunctualLight": omma.scene.PunctualLight("lamp", type="spot"),
         "scene.NaturalMaterial": omma.scene.natural_materials()["grass blade"],
+        "scene.SplatCloud": omma.scene.SplatCloud(*SPLAT, name="shrub"),
         "scene.Texture": omma.scene.Texture(0),
         "scene.TextureUse": omma.scene.TextureUse(0),
         "scene.WorldInstance": renderer.world.instances[0],

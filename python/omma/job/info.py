@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error, Eye, Scene
+from omma._core import Error, Eye, Scene, SplatCloud
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
@@ -95,6 +95,8 @@ def describe_scene(scene: Scene) -> Lines:
         ("materials", f"{scene.material_count:,}"),
         ("textures", f"{scene.texture_count:,} of {scene.image_count:,} images"),
     ]
+    for cloud in scene.splats:
+        lines.append(("splats", describe_splats(cloud)))
     bounds = scene.bounds
     if bounds is None:
         lines.append(("bounds", "empty: nothing but background"))
@@ -123,6 +125,22 @@ def describe_scene(scene: Scene) -> Lines:
         lines.append(("hit box", f"{name}: {corners}"))
     lines += [("warning", warning) for warning in scene.warnings]
     return lines
+
+
+def describe_splats(cloud: SplatCloud) -> str:
+    """How many Gaussian splats there are, how large and how opaque."""
+    count, terms = cloud.harmonics.shape[:2]
+    if count == 0:
+        return f"none in {cloud.name or 'a cloud'}"
+    metres = float(np.cbrt(abs(np.linalg.det(cloud.world_from_splats[:3, :3]))))
+    sizes = np.percentile(cloud.scales_m.max(axis=1), (10, 50, 90)) * metres
+    opaque = np.mean(cloud.opacities > 0.9)
+    return (
+        f"{count:,} Gaussian splats{f' of {cloud.name}' if cloud.name else ''}, harmonics of "
+        f"degree {int(np.sqrt(terms)) - 1}, composited as {cloud.color_space}; largest axes "
+        f"{sizes[0]:.2g}, {sizes[1]:.2g}, {sizes[2]:.2g} m (10, 50, 90 % are smaller), "
+        f"{opaque:.0%} with opacities above 0.9"
+    )
 
 
 def describe_eye(eye: Eye) -> Lines:

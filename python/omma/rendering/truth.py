@@ -36,7 +36,8 @@ class GroundTruth:
 
     All are means over an ommatidium's rays, and so over its angular sensitivity, as radiance is. A
     ray counts for the first surface that it meets, also where that lets light through (BLEND,
-    glass); cut-outs (MASK) are as they are seen.
+    glass); cut-outs (MASK) are as they are seen. Among Gaussian splats it counts for the one before
+    and in which half of its light is, or else for the surface behind them.
     """
 
     responses: Floats
@@ -55,6 +56,9 @@ class GroundTruth:
     normal: Floats
     """(P, N, 3), in the world: the mean of the normals of triangles, each of length 1, on the side
     that is seen. The more they differ the shorter it is; NaN where nothing was met."""
+    source_distance_m: Floats | None = None
+    """(P, N), in worlds with Gaussian splats: mean over all that light comes from, weighted by how
+    much does; infinite where nothing is."""
     names: tuple[str, ...] = ()
     """(K,), whose shares were asked for."""
     shares: Floats | None = None
@@ -139,6 +143,8 @@ def ground_truth(
     }
     for name in ("met", "distance_m", "nearest_m", "inverse_distance_per_m"):
         found[name] = np.empty(call.size, np.float32)
+    if self.world.scene.splats:
+        found["source_distance_m"] = np.empty(call.size, np.float32)
     found["position_m"] = np.empty((*call.size, 3))
     found["normal"] = np.empty((*call.size, 3), np.float32)
     asked: dict[str, Any] = {}
@@ -183,6 +189,9 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
             {"units": "1", "long_name": "mean normal of what is seen, in the world"},
         ),
     }
+    if truth.source_distance_m is not None:
+        about = {"units": "m", "long_name": "mean distance that light comes from"}
+        found["source_distance"] = (dimensions, truth.source_distance_m, about)
     if truth.shares is not None:
         found["instance"] = (("instance",), np.array(truth.names, dtype=np.str_), {})
         about = {"units": "1", "long_name": "share of the field that an instance fills"}
@@ -212,7 +221,9 @@ def _groups(world: World, shares: Sequence[str | int]) -> tuple[tuple[str, ...],
     """What each share is called, and the share of each instance, -1 for none."""
     if len(shares) > _MOST_SHARES:
         raise Error(f"shares: expected at most {_MOST_SHARES}, found {len(shares)}")
+    # Clouds of splats stand behind the instances.
     names = [instance.name for instance in world.instances]
+    names += [cloud.name for cloud in world.scene.splats]
     group = np.full(len(names), -1, np.int32)
     called = []
     for k, one in enumerate(shares):

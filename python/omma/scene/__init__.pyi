@@ -12,6 +12,7 @@ from .parts import (
     Mesh,
     PunctualLight,
     Rig,
+    SplatCloud,
     Texture,
     TextureUse,
 )
@@ -22,6 +23,7 @@ from .materials import (
     natural_materials,
 )
 from .points import PointCloud, load_points
+from .splat_light import calibrate
 from .solids import box, cylinder, disc, plane, sphere
 from .surfel_scenes import surfels
 from .trimesh_scenes import from_trimesh
@@ -45,10 +47,12 @@ __all__ = [
     "PunctualLight",
     "NaturalMaterial",
     "Rig",
+    "SplatCloud",
     "Texture",
     "TextureUse",
     "WorldInstance",
     "box",
+    "calibrate",
     "corridor",
     "cylinder",
     "devices",

@@ -25,7 +25,7 @@ from omma.base.arguments import array_of, checked
 
 @checked
 def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
-    """The same scene at another pose: its instances, cameras, lamps and hit boxes, all together.
+    """The same scene at another pose: instances, cameras, lamps, hit boxes and splats together.
 
     Its animations move things about that pose.
 
@@ -51,6 +51,9 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
         ],
         lights=[
             one.replace(world_from_light=matrix @ one.world_from_light) for one in scene.lights
+        ],
+        splats=[
+            one.replace(world_from_splats=matrix @ one.world_from_splats) for one in scene.splats
         ],
     )
 
@@ -83,7 +86,7 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         name: []
         for name in (
             "meshes", "instances", "materials", "textures", "images", "cameras", "hit_boxes",
-            "lights",
+            "lights", "splats",
         )
     }  # fmt: skip
     nodes = 0
@@ -101,6 +104,7 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
         parts["cameras"] += scene.cameras
         parts["hit_boxes"] += scene.hit_boxes
         parts["lights"] += scene.lights
+        parts["splats"] += scene.splats
         instances = scene.instances
         parts["instances"] += [_instance(one, before["meshes"], nodes) for one in instances]
         nodes += 1 + max((one.node for one in instances if one.node is not None), default=-1)

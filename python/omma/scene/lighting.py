@@ -28,6 +28,7 @@ Ultraviolet = Rule | Mapping[str, Rule] | None
 _MOST_DEPTH = 1000
 _MOST_EMISSION = 1e15  # as of colours
 _NAMES_TOLD = 8
+_told_of_splats: list[bool] = []
 _BAKED_ONLY = 'goes with lighting="baked"'
 
 
@@ -163,6 +164,19 @@ def options_after(before: Lighting | None, **options: Any) -> dict[str, Any]:
         kept += {"path": ["depth"], "baked": ["bake", "sun"]}.get(options["lighting"], [])
         found |= {name: getattr(before, name) for name in kept}
     return options | found | {name: one for name, one in options.items() if one is not None}
+
+
+def tell_of_splats(scene: Scene, lighting: Lighting | None) -> None:
+    """Warns, once a session, that a light does not shine on Gaussian splats."""
+    if lighting is None or not scene.splats or _told_of_splats:
+        return
+    _told_of_splats.append(True)
+    warn_caller(
+        "sun, sky and lamps do not light Gaussian splats, which keep the light of their capture: a "
+        f"colour of 1 is {lighting.emission_cd_m2:g} cd/m² (emission_cd_m2, "
+        "omma.scene.calibrate), and nothing below 400 nm. They do dim what is behind them",
+        UserWarning,
+    )
 
 
 def tell_of_emission(scene: Scene, lighting: Lighting | None) -> None:

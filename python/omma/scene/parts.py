@@ -9,5 +9,6 @@ from omma._core import Material as Material
 from omma._core import Mesh as Mesh
 from omma._core import PunctualLight as PunctualLight
 from omma._core import Rig as Rig
+from omma._core import SplatCloud as SplatCloud
 from omma._core import Texture as Texture
 from omma._core import TextureUse as TextureUse

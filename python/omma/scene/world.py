@@ -26,6 +26,7 @@ from omma.scene.lighting import (
     checked_lighting,
     options_after,
     tell_of_emission,
+    tell_of_splats,
 )
 from omma.scene.world_colors import Colors, set_color, set_image
 from omma.scene.world_moves import at, camera_at, set_transforms, set_vertices, vertices
@@ -141,6 +142,7 @@ class World:
         )
         self._lighting = given
         tell_of_emission(scene, given)
+        tell_of_splats(scene, given)
         self._baked: BakedInfo | None = None
         self._places_when_baked: dict[int, NDArray[np.float64]] = {}
         arguments = None if given is None else given.light_arguments(scene)
@@ -209,6 +211,7 @@ class World:
         assert given is not None
         other._lighting = given
         tell_of_emission(self._scene, given)
+        tell_of_splats(self._scene, given)
         arguments = given.light_arguments(self._scene)
         other._engine = self._engine.with_lighting(given.for_engine(arguments))
         other._bake(arguments, progress)

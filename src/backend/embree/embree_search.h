@@ -5,6 +5,7 @@
 #include "backend/embree/embree_api.h"
 #include "backend/embree/embree_tracer.h"
 #include "physics/lanes/lane_mask.h"
+#include "physics/search/traverse.h"
 
 namespace omma {
 
@@ -51,6 +52,7 @@ struct EmbreeSearch {
            lanes_where<L>([&](int l) { return load<typename L::F>(rays.t_far_m + l) < 0.0f; });
   }
   OMMA_HD const PlacedMesh* placed() const { return tracer->layout.placed.data(); }
+  OMMA_HD Visits<L::count> visits_of_trees() const { return {}; }
 };
 
 }  // namespace omma

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "backend/portable/build.h"
+#include "backend/build_tree.h"
 #include "model/transform.h"
 #include "omma/error.h"
 #include "physics/search/traverse.h"

@@ -39,12 +39,13 @@ struct TruthSums {
 // Where the numbers of a ray lie among those that are summed up: its first three are whether it met
 // anything, how far away, and the inverse of that.
 struct TruthRows {
-  int places, flow, count;
+  int places, flow, sources, count;
 };
 
 OMMA_HD TruthRows rows_of(const TruthView& truth) {
   const int flow = truth.places ? 9 : 3;
-  return {3, flow, truth.flow ? flow + 6 : flow};
+  const int sources = truth.flow ? flow + 6 : flow;
+  return {3, flow, sources, truth.sources ? sources + 2 : sources};
 }
 
 // Parts of the points on a disc, each all over it: the spread of how much of it they find open is

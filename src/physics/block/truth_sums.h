@@ -52,7 +52,8 @@ OMMA_HD_CALLED void eval_truth(const FrameView& frame, const BlockTask& task,
   if (view.places) eval_geometry<L>(*frame.scene, rays, first.hits, geometry);
   for (int l = 0; l < L::count; l += L::width) {
     const auto set = [&](int row, F value) { store(rows + row * L::count + l, value); };
-    const auto is_met = load<I>(first.hits.mesh + l) >= 0;
+    const I mesh = load<I>(first.hits.mesh + l);
+    const auto is_met = mesh != no_mesh;
     const F distance = keep(is_met, load<F>(rays.t_far_m + l));
     const F at_least = distance > least_distance_m ? distance : broadcast<F>(least_distance_m);
     const F inverse = keep(is_met, 1.0f / at_least);
@@ -63,10 +64,19 @@ OMMA_HD_CALLED void eval_truth(const FrameView& frame, const BlockTask& task,
     if (view.places) {
       const auto n = load_vector<F>(geometry.normal, l);
       const F towards = dot(n, d) > 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
+      // Splats have no surface, and no normal.
+      const auto is_splat = mesh == mesh_of_splats;
+      const Vector3<F> along = load_vector<F>(rays.origin, l) + d * distance;
       for (int r = 0; r < 3; ++r) {
-        set(at.places + r, load<F>(geometry.position[r] + l));
+        set(at.places + r, is_splat ? along[r] : load<F>(geometry.position[r] + l));
         set(at.places + 3 + r, n[r] * towards);
       }
+    }
+    if (view.sources) {
+      const bool splats = frame.scene->splats != nullptr;
+      set(at.sources, splats ? load<F>(first.source_m + l) : distance);
+      set(at.sources + 1,
+          splats ? load<F>(first.source_weight + l) : keep(is_met, broadcast<F>(1.0f)));
     }
     if (!view.flow) continue;
     const auto origin = load_vector<F>(rays.origin, l),
@@ -100,7 +110,7 @@ OMMA_HD void add_met(const TruthView& view, const FirstHits<L>& first, int sampl
                      const PacketStart& start, const TruthSums& sums) {
   int replicate = start.replicate, sample = start.sample;
   for (int l = 0; l < start.filled; ++l) {
-    if (first.hits.mesh[l] >= 0) {
+    if (first.hits.mesh[l] != no_mesh) {
       const float t = first.packet.rays.t_far_m[l];
       if (t < sums.nearest_m[replicate]) sums.nearest_m[replicate] = t;
       if (view.shares > 0) {
@@ -160,6 +170,10 @@ OMMA_HD void reduce_truth(const FrameView& frame, const BlockTask& task, const T
   if (truth.met != nullptr) truth.met[out] = static_cast<float>(met / all);
   if (truth.distance_m != nullptr)
     truth.distance_m[out] = met > 0 ? static_cast<float>(sum(1) / met) : INFINITY;
+  if (truth.source_distance_m != nullptr)
+    truth.source_distance_m[out] = sum(at.sources + 1) > 0
+                                       ? static_cast<float>(sum(at.sources) / sum(at.sources + 1))
+                                       : INFINITY;
   if (truth.nearest_m != nullptr) truth.nearest_m[out] = sums.nearest_m[replicate];
   if (truth.inverse_distance_per_m != nullptr)
     truth.inverse_distance_per_m[out] = static_cast<float>(sum(2) / all);

@@ -26,9 +26,9 @@ struct Flight {
   OMMA_HD int stride() const { return scene.bands * L::count; }
 };
 
-// Whether surfaces let light straight through: then rays remember which they have passed.
+// Whether surfaces or splats let light straight through: then rays remember which they have passed.
 OMMA_HD bool lets_through(const SceneView& scene) {
-  return scene.has_blend || scene.has_glass;
+  return scene.has_blend || scene.has_glass || scene.splats != nullptr;
 }
 
 // Where a path remembers them.

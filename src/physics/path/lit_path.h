@@ -8,6 +8,7 @@
 #pragma once
 
 #include "physics/path/direct_light.h"
+#include "physics/path/lit_splats.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/search_rays.h"
 
@@ -87,6 +88,7 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   }
   scattered.for_each([&](int l) {
     packet.rays.mask[l] = packet.light_sees;
+    state.seen_m[l] = 0;
     if (flight.passed != nullptr) flight.passed->count[l] = 0;
   });
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
@@ -163,6 +165,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   search_closest(flight.search, on, packet.rays, flight.passed, spread);
   find_hits<L>(flight.search.placed(), packet, hits);
   if (first != nullptr) *first = {packet, hits};
+  if (scene.splats != nullptr) pass_splats(flight, on, first);
   const LaneMask<L> met = on & lanes_met(hits), missed = on & ~met;
   if (missed.any()) look_up_far(flight, missed, far);
   for (int l = 0; l < L::count; l += L::width) {

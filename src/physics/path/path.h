@@ -5,10 +5,12 @@
 //   L = Σ_k α_k C_k Π_{j<k} (1 − α_j),
 //
 // the `over` operator (Porter and Duff 1984). A backend gives one thing, the closest accepted hits
-// of a packet; everything else along rays is here.
+// of a packet; everything else along rays is here. Gaussian splats between surfaces are seen on the
+// way (splats.h).
 #pragma once
 
 #include "physics/lanes/lane_mask.h"
+#include "physics/path/splats.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/passed.h"
 #include "physics/rays/search_rays.h"
@@ -115,6 +117,30 @@ OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, 
   eval_surfaces<L>(flight.scene, packet.rays, hits, color);
 }
 
+// What a step met, and the splats before it, from seen_m on, as one surface: it covers 1 − T (1 −
+// α) of what lies behind. The rays have then been seen up to there. `depths` may be null.
+template <typename L, typename Search>
+OMMA_HD_CALLED void cover_with_splats(const UnlitFlight<L, Search>& flight, LaneMask<L> on,
+                                      float (&seen_m)[L::count], PacketColor<L>& color,
+                                      SplatDepths<L>* depths) {
+  using F = typename L::F;
+  const RayPacket<L::count>& rays = flight.packet.rays;
+  SplatLight<L> light;
+  eval_splats<L>(*flight.scene.splats, flight.search.visits_of_trees(), on, rays, seen_m, light,
+                 depths);
+  for (int l = 0; l < L::count; l += L::width) {
+    const F through = load<F>(light.transmittance + l), alpha = load<F>(color.alpha + l);
+    const F covered = 1.0f - through * (1.0f - alpha);
+    const F per_covered = covered > 0.0f ? 1.0f / covered : F{};
+    for (int c = 0; c < 3; ++c) {
+      float* const rgb = color.rgb[c] + l;
+      store(rgb, (load<F>(light.rgb[c] + l) + through * alpha * load<F>(rgb)) * per_covered);
+    }
+    store(color.alpha + l, covered);
+    store(seen_m + l, load<F>(rays.t_far_m + l));
+  }
+}
+
 // Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first,
 // or null.
 template <typename L, typename Search>
@@ -125,14 +151,25 @@ OMMA_HD_CALLED void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> 
   Packet<L>& packet = flight.packet;
   Hits<L> hits;
   PacketColor<L> color;
+  alignas(L::count * 4) float seen_m[L::count];  // up to where splats have been seen
+  for (int l = 0; l < L::count; ++l) seen_m[l] = 0;
+  const auto eval_step = [&] {
+    eval_closest(flight, on, hits, color);
+    if (first != nullptr) *first = {packet, hits};
+    if (scene.splats != nullptr) {
+      SplatDepths<L> depths;
+      cover_with_splats(flight, on, seen_m, color, first == nullptr ? nullptr : &depths);
+      if (first != nullptr) meet_splats(scene, depths, *first);
+    }
+    first = nullptr;
+  };
   const auto colors_at = [&](int l, F(&rgb)[3]) {
     for (int c = 0; c < 3; ++c) rgb[c] = load<F>(color.rgb[c] + l);
   };
 
   // Opaque scenes: what is met first is all there is.
   if (flight.passed == nullptr) {
-    eval_closest(flight, on, hits, color);
-    if (first != nullptr) *first = {packet, hits};
+    eval_step();
     for (int l = 0; l < L::count; l += L::width) {
       F rgb[3];
       colors_at(l, rgb);
@@ -146,9 +183,7 @@ OMMA_HD_CALLED void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> 
   for (int l = 0; l < L::count; ++l) throughput[l] = 1;
   for (int i = 0; i < scene.bands * L::count; ++i) radiance[i] = 0;
   while (on.any()) {
-    eval_closest(flight, on, hits, color);
-    if (first != nullptr) *first = {packet, hits};
-    first = nullptr;
+    eval_step();
     // Composite: what the surface covers of what still counts; paths end where nothing gets
     // through.
     LaneMask<L> through;

@@ -33,6 +33,7 @@ struct PathState {
   alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
   alignas(n * 4) std::int32_t scatterings[n];
   alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
+  float seen_m[n];                        // up to where along the ray splats have been seen
   // Whether rays begin at a surface and gather what scattered light comes there: they see neither
   // discs nor what shines until they have met another surface.
   bool gathers = false;
@@ -46,6 +47,7 @@ OMMA_HD void reset_paths(const SceneView& scene, PathState<L>& state, const Path
   for (int l = 0; l < n; ++l) {
     state.density[l] = INFINITY;
     state.scatterings[l] = state.flight[l] = 0;
+    state.seen_m[l] = 0;
   }
   if (!scene.polarized) return;
   for (int k = 0; k < 9; ++k)

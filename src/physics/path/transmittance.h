@@ -1,9 +1,10 @@
-// What is left of light that comes past surfaces which let it straight through: sheets that cover
-// what lies behind in part, and thin glass.
+// What is left of light that comes past what lets it straight through: sheets that cover what lies
+// behind in part, thin glass, Gaussian splats.
 #pragma once
 
 #include "physics/lanes/lane_mask.h"
 #include "physics/path/path_state.h"
+#include "physics/path/splats.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/passed.h"
 #include "physics/rays/search_rays.h"
@@ -47,7 +48,29 @@ OMMA_HD_CALLED LaneMask<L> dim_light(const SceneView& scene, const Packet<L>& sh
   return bright;
 }
 
-// Shadow rays past surfaces that let light straight through: the transmittance of the way, by band,
+// Multiplies what has come through, memory.throughput, by what splats leave of it on the way of
+// some lanes' shadow rays up to t_far_m.
+template <typename L, typename Search>
+OMMA_HD_CALLED void dim_by_splats(const SceneView& scene, Search& search, LaneMask<L> lanes,
+                                  const float (&t_far_m)[L::count], Packet<L>& shadow,
+                                  const SpectraMemory& memory) {
+  using F = typename L::F;
+  alignas(L::count * 4) float begin_m[L::count];
+  for (int l = 0; l < L::count; ++l) {
+    shadow.rays.t_far_m[l] = t_far_m[l];
+    begin_m[l] = 0;
+  }
+  SplatLight<L> light;
+  eval_splats<L>(*scene.splats, search.visits_of_trees(), lanes, shadow.rays, begin_m, light,
+                 nullptr);
+  for (int b = 0; b < scene.bands; ++b)
+    for (int l = 0; l < L::count; l += L::width) {
+      float* const at = memory.throughput + b * L::count + l;
+      store(at, load<F>(at) * load<F>(light.transmittance + l));
+    }
+}
+
+// Shadow rays past what lets light straight through: the transmittance of the way, by band,
 // is memory.throughput. Returns the lanes that reach their light.
 template <typename L, typename Search>
 OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& search,
@@ -75,6 +98,8 @@ OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& s
     on &= met & bright;
     on.for_each([&](int l) { pass(memory.passed, l, shadow.rays); });
   }
+  if (scene.splats != nullptr && reached.any())
+    dim_by_splats(scene, search, reached, t_far_m, shadow, memory);
   return reached;
 }
 

@@ -9,10 +9,14 @@
 
 namespace omma {
 
+// In place of a mesh: nothing was met; as ground truth has it, splats were (path/splats.h), whose
+// cloud stands as an instance behind those of the scene.
+inline constexpr std::int32_t no_mesh = -1, mesh_of_splats = -2;
+
 // What each ray met, [lane].
 template <typename L>
 struct Hits {
-  alignas(L::count * 4) std::int32_t mesh[L::count];      // index, -1 for none
+  alignas(L::count * 4) std::int32_t mesh[L::count];      // index, or one of the two below
   alignas(L::count * 4) std::int32_t instance[L::count];  // of the scene, where there is a mesh
   alignas(L::count * 4) float footprint_m[L::count];      // of the ray there, in metres of the mesh
 };
@@ -22,6 +26,9 @@ template <typename L>
 struct FirstHits {
   Packet<L> packet;
   Hits<L> hits;
+  // Among Gaussian splats: Σ w_k t_k and Σ w_k over all that light comes from, w_k the share of it.
+  alignas(L::count * 4) float source_m[L::count] = {};
+  alignas(L::count * 4) float source_weight[L::count] = {};
 };
 
 template <typename L>

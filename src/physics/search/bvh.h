@@ -1,5 +1,5 @@
 // The hierarchy of boxes around what is placed in a scene, as the search sees it: flat arrays
-// behind pointers, the same on host and device. Made by backend/portable/build; searched by
+// behind pointers, the same on host and device. Made by backend/build_tree; searched by
 // physics/search/traverse.h.
 //
 // Two levels: a tree over what is placed, each of which is a tree over triangles in its own frame.

@@ -40,6 +40,8 @@ struct SceneSearch {
   }
 
   OMMA_HD const PlacedMesh* placed() const { return bvh->placed; }
+  // Where a search of splats keeps what is still to be visited.
+  OMMA_HD const Visits<L::count>& visits_of_trees() const { return visits; }
 
   // A triangle of a placed mesh, in the traced frame.
   OMMA_HD Triangle corners(std::uint32_t placed, std::uint32_t triangle) const {

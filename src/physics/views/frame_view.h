@@ -60,6 +60,7 @@ inline constexpr int listened_to = 8;
 struct TruthView {
   bool places = false;                               // positions and normals
   bool flow = false;                                 // optic flow
+  bool sources = false;                              // how far away light comes from
   int shares = 0;                                    // groups whose shares are counted
   const std::int32_t* share_of_instance = nullptr;   // [instance], its group, or -1
   const std::int32_t* object_of_instance = nullptr;  // [instance], among what moves, or -1; or null
@@ -76,6 +77,7 @@ struct TruthTask {
   float *distance_m = nullptr, *nearest_m = nullptr, *inverse_distance_per_m = nullptr;
   float *met = nullptr, *normal = nullptr, *shares = nullptr;
   double* position_m = nullptr;
+  float* source_distance_m = nullptr;
   float *flow_rotation = nullptr, *flow_translation = nullptr, *flow_objects = nullptr;
 };
 

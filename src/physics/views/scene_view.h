@@ -105,6 +105,7 @@ struct MeshView {
 };
 
 struct LightView;   // light_view.h
+struct SplatsView;  // splats_view.h
 struct SunMapView;  // sun_map.h
 
 // The first cell of each triangle of a mesh, within its instance's.
@@ -155,6 +156,8 @@ struct SceneView {
   const std::int32_t* opacity_states = nullptr;  // [word], where there are opacity maps
   const float* frame_from_mesh = nullptr;  // [instance of the scene][3][4], traced frame, row major
   bool has_blend = false;  // whether any surface lets light through in part
+  const SplatsView* splats = nullptr;     // null where there are none
+  const float* splat_emission = nullptr;  // where the world is lit, of their linear RGB: [band][3]
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
   int bands = 3;
   const float* band_from_rgb = nullptr;

@@ -1,5 +1,6 @@
-// Builds the hierarchy that physics/search/traverse.h searches: eight children a node, split where the
-// surface area heuristic says (binned: Wald 2007, doi:10.1109/RT.2007.4342588), boxes compressed.
+// Builds the hierarchy that physics/search/traverse.h searches: eight children a node, split where
+// the surface area heuristic says (binned: Wald 2007, doi:10.1109/RT.2007.4342588), boxes
+// compressed.
 #pragma once
 
 #include <cstdint>

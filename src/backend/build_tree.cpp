@@ -1,6 +1,6 @@
 // Boxes into a tree: from the top down, every node's range split in two until it has eight
 // children.
-#include "backend/portable/build.h"
+#include "backend/build_tree.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,41 @@
+// Gaussian splats (Kerbl et al. 2023, doi:10.1145/3592433): a place as photographs have it, a cloud
+// of soft ellipsoids, each with an opacity and a colour that depends on the direction in which it
+// is seen. They hold the light of their capture: nothing lights them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "omma/vec.h"
+
+namespace omma {
+
+// The space in which splats are composited, that in which they were trained: encoded as sRGB, or
+// linear.
+enum class SplatColor : std::uint8_t { srgb, linear };
+
+// The direction of which a splat's colour is a function: from where the ray starts to the middle of
+// the splat (Kerbl et al. 2023), or the ray's own (Moenne-Loccoz et al. 2024,
+// doi:10.1145/3687934).
+enum class SplatDirection : std::uint8_t { center, ray };
+
+// Splats of one capture, in their own frame.
+struct SplatCloud {
+  std::string name;
+  std::vector<Vec3> positions;   // [splat], m, of their middles
+  std::vector<Vec3> scales;      // [splat], m, standard deviations along their own axes
+  std::vector<Vec4> rotations;   // [splat], unit quaternions x, y, z, w: cloud from own axes
+  std::vector<float> opacities;  // [splat], 0 to 1, in the middle
+  // [splat][term][RGB], real spherical harmonics as Kerbl et al. have them: the colour in a
+  // direction is 0.5 + Σ_k Y_k c_k, where that is positive.
+  std::vector<float> harmonics;
+  int terms = 1;  // 1, 4, 9 or 16: of degree 0 to 3
+  SplatColor color_space = SplatColor::srgb;
+  SplatDirection direction = SplatDirection::center;
+  Vec3 white{1, 1, 1};  // linear RGB that a colour of 1 is, behind decoding
+  Mat4 world_from_splats;
+  bool operator==(const SplatCloud&) const = default;
+};
+
+}  // namespace omma

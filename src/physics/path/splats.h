@@ -1,0 +1,196 @@
+// Light of Gaussian splats along rays, between where the rays are and what they meet. Splats are
+// composited front to back in the space in which they were trained,
+//
+//   C = Σ_k c_k α_k Π_{j<k} (1 − α_j),  T = Π_k (1 − α_k)
+//
+// (Kerbl et al. 2023, eq. 3), then decoded to linear light. What they cover, 1 − T of what lies
+// behind, has the colour C / (1 − T), so that
+//
+//   L = (1 − T) linear(C / (1 − T)) + T L_behind.
+//
+// The average over an acceptance is one of linear light, as rays are averaged behind this.
+#pragma once
+
+#include "physics/lanes/lane_mask.h"
+#include "physics/rays/hits.h"
+#include "physics/search/splat_search.h"
+#include "physics/surface/harmonics.h"
+#include "physics/views/scene_view.h"
+
+namespace omma {
+
+// What splats between two places along rays add, and how much of the light behind them they let
+// through, [lane].
+template <typename L>
+struct SplatLight {
+  alignas(L::count * 4) float rgb[3][L::count];  // linear
+  alignas(L::count * 4) float transmittance[L::count];
+};
+
+// Where splats are along rays, [lane], where ground truth is asked for.
+template <typename L>
+struct SplatDepths {
+  float weighted_m[L::count];  // Σ_k t_k α_k Π_{j<k} (1 − α_j), m
+  float transmittance[L::count];
+  float half_m[L::count];         // from where on no more than half gets through, or infinite
+  std::uint32_t cloud[L::count];  // of the splat there
+};
+
+// Where packets keep colours of splats that were asked for last, as long as all rays see them from
+// one place.
+template <typename L>
+struct SplatColors {
+  static constexpr int size = L::count > 1 ? 64 : 1;
+  bool one_origin;
+  std::int32_t index[size];
+  Vec3 color[size];
+};
+
+// Σ_k y_k c_k over a splat's harmonics c, [term][RGB].
+OMMA_HD Vec3 sum_harmonics(const float (&y)[most_harmonics], const float* c, int terms) {
+  Vec3 sum{0, 0, 0};
+  for (int k = 0; k < terms; ++k) sum = sum + Vec3{c[3 * k], c[3 * k + 1], c[3 * k + 2]} * y[k];
+  return sum;
+}
+
+// The colour of a splat in the space in which it is composited.
+template <typename L>
+OMMA_HD_CALLED Vec3 splat_color(const SplatCloudView& cloud, std::uint32_t splat, Vec3 seen_along) {
+  const Vec3 d = vec_of(normalize(whiten(cloud.cloud_from_frame, vector_of(seen_along))));
+  float y[most_harmonics];
+  eval_harmonics(d, cloud.terms, y);
+  const Vec3 sum =
+      sum_harmonics(y, cloud.harmonics + std::ptrdiff_t{3} * cloud.terms * splat, cloud.terms);
+  const Vec3 color = sum + Vec3{0.5f, 0.5f, 0.5f};
+  return {color.x > 0 ? color.x : 0.0f, color.y > 0 ? color.y : 0.0f, color.z > 0 ? color.z : 0.0f};
+}
+
+// That of a splat as a lane sees it; `rays` are in the frame of splats.
+template <typename L>
+OMMA_HD Vec3 color_for(const SplatsView& view, std::int32_t index, const RayFrame<L>& rays, int l,
+                       SplatColors<L>& known) {
+  const TracedSplat& splat = view.splats[index];
+  const SplatCloudView& cloud = view.clouds[splat.cloud];
+  const Vec3 direction{rays.direction[0][l], rays.direction[1][l], rays.direction[2][l]};
+  if (cloud.by_ray) return splat_color<L>(cloud, splat.splat, direction);
+  const Vec3 along = Vec3{splat.center[0], splat.center[1], splat.center[2]} -
+                     Vec3{rays.origin[0][l], rays.origin[1][l], rays.origin[2][l]};
+  if (!known.one_origin) return splat_color<L>(cloud, splat.splat, along);
+  const int at = index % SplatColors<L>::size;
+  if (known.index[at] != index) {
+    known.index[at] = index;
+    known.color[at] = splat_color<L>(cloud, splat.splat, along);
+  }
+  return known.color[at];
+}
+
+// Adds the splats of a lane's buffer to its light, as long as light gets through, and notes where
+// they have come. Returns whether more may follow.
+template <typename L, typename Color>
+OMMA_HD bool add_splats(const SplatsView& view, const SplatBuffer<L>& buffer, int l,
+                        const Color& color, SplatLight<L>& light, SplatReach<L>& reach,
+                        SplatDepths<L>* depths) {
+  float through = light.transmittance[l];
+  Vec3 sum = vec_at(light.rgb, l);
+  for (int k = 0; k < buffer.count[l] && through >= least_splat_transmittance; ++k) {
+    const float alpha = buffer.alpha[l][k], weight = through * alpha;
+    const SplatPlace& place = buffer.place[l][k];
+    sum = sum + color(place.index) * weight;
+    through *= 1.0f - alpha;
+    reach.near_m[l] = place.t_m;
+    reach.last[l] = place.index;
+    if (depths == nullptr) continue;
+    depths->weighted_m[l] += weight * place.t_m;
+    if (through > 0.5f || depths->half_m[l] <= place.t_m) continue;
+    depths->half_m[l] = place.t_m;
+    depths->cloud[l] = view.splats[place.index].cloud;
+  }
+  light.rgb[0][l] = sum.x;
+  light.rgb[1][l] = sum.y;
+  light.rgb[2][l] = sum.z;
+  light.transmittance[l] = reach.through[l] = through;
+  return through >= least_splat_transmittance && buffer.count[l] == SplatBuffer<L>::capacity;
+}
+
+// What splats add to linear light, of sums in the space in which they are composited.
+template <typename L>
+OMMA_HD void decode_splats(const SplatsView& view, SplatLight<L>& light) {
+  using F = typename L::F;
+  const float white[3] = {view.white.x, view.white.y, view.white.z};
+  for (int l = 0; l < L::count; l += L::width) {
+    const F covered = 1.0f - load<F>(light.transmittance + l);
+    const F at_least = covered > 1e-6f ? covered : broadcast<F>(1e-6f);
+    for (int c = 0; c < 3; ++c) {
+      float* const rgb = light.rgb[c] + l;
+      const F sum = load<F>(rgb);
+      store(rgb, white[c] * (view.is_srgb ? covered * linear_of_srgb(sum / at_least) : sum));
+    }
+  }
+}
+
+// Light of splats along the rays of some lanes, behind begin_m and up to their t_far_m. `depths`
+// may be null.
+template <typename L>
+OMMA_HD_CALLED void eval_splats(const SplatsView& view, const Visits<L::count>& visits,
+                                LaneMask<L> on, const RayPacket<L::count>& rays,
+                                const float (&begin_m)[L::count], SplatLight<L>& light,
+                                SplatDepths<L>* depths) {
+  SplatReach<L> reach;
+  SplatBuffer<L> buffer;
+  SplatColors<L> colors;
+  alignas(L::count * 4) float origin[3][L::count];  // in the frame of splats
+  const RayFrame<L> frame{origin, rays.direction};
+  for (int l = 0; l < L::count; ++l) {
+    reach.near_m[l] = begin_m[l];
+    reach.last[l] = behind_all;
+    reach.through[l] = light.transmittance[l] = 1;
+    for (int a = 0; a < 3; ++a) {
+      light.rgb[a][l] = 0;
+      origin[a][l] = rays.origin[a][l] - view.first_origin_m[a];
+    }
+    if (depths == nullptr) continue;
+    depths->weighted_m[l] = 0;
+    depths->half_m[l] = INFINITY;
+  }
+  colors.one_origin = L::count > 1;
+  for (std::int32_t& index : colors.index) index = -1;
+  on.for_each([&](int l) {
+    for (int a = 0; a < 3; ++a)
+      colors.one_origin = colors.one_origin && origin[a][l] == origin[a][lowest_bit(on.bits)];
+  });
+
+  // Front to back, as many at once as the buffer holds.
+  for (LaneMask<L> left = on; left.any();) {
+    for (int l = 0; l < L::count; ++l) reach.far_m[l] = rays.t_far_m[l];
+    find_splats<L>(view, visits, left, frame, reach, buffer);
+    left.for_each([&](int l) {
+      const auto color = [&](std::int32_t index) {
+        return color_for<L>(view, index, frame, l, colors);
+      };
+      if (!add_splats(view, buffer, l, color, light, reach, depths)) left.bits &= ~(1u << l);
+    });
+  }
+  if (depths != nullptr)
+    for (int l = 0; l < L::count; ++l) depths->transmittance[l] = light.transmittance[l];
+  decode_splats(view, light);
+}
+
+// For ground truth rays meet splats where half of their light comes from before, if that is nearer
+// than what they met first; and where light comes from.
+template <typename L>
+OMMA_HD void meet_splats(const SceneView& scene, const SplatDepths<L>& depths,
+                         FirstHits<L>& first) {
+  for (int l = 0; l < L::count; ++l) {
+    const bool met = first.hits.mesh[l] != no_mesh;
+    const float behind = met ? depths.transmittance[l] : 0.0f;
+    first.source_m[l] = depths.weighted_m[l];
+    if (met) first.source_m[l] += behind * first.packet.rays.t_far_m[l];
+    first.source_weight[l] = 1.0f - depths.transmittance[l] + behind;
+    if (!(depths.half_m[l] < INFINITY)) continue;
+    first.packet.rays.t_far_m[l] = depths.half_m[l];
+    first.hits.mesh[l] = mesh_of_splats;
+    first.hits.instance[l] = scene.instance_count + static_cast<std::int32_t>(depths.cloud[l]);
+  }
+}
+
+}  // namespace omma

@@ -1,0 +1,168 @@
+// The search for Gaussian splats along rays: those next in order behind where a ray has come, as
+// many as a buffer holds, so that light is put together front to back in as many passes as it takes
+// (3D Gaussian Ray Tracing, Moenne-Loccoz et al. 2024, doi:10.1145/3687934, section 4.1).
+//
+// A splat counts where the ray comes closest to its middle in standard deviations, at the point of
+// greatest response: with o and d, the ray's origin from the middle and direction, whitened,
+//
+//   t = −o·d / d·d,  α = opacity · exp(−|o + t d|² / 2).
+#pragma once
+
+#include "physics/lanes/lane_mask.h"
+#include "physics/lanes/powers.h"
+#include "physics/lanes/vector3.h"
+#include "physics/search/traverse.h"
+#include "physics/views/splats_view.h"
+
+namespace omma {
+
+// A place along a ray: splats at one distance are in the order of their index.
+struct SplatPlace {
+  float t_m;
+  std::int32_t index;  // into SplatsView::splats
+};
+
+// In place of an index: nothing at that distance counts any more.
+inline constexpr std::int32_t behind_all = 0x7fffffff;
+
+OMMA_HD bool is_behind(const SplatPlace& a, const SplatPlace& b) {
+  return a.t_m > b.t_m || (a.t_m == b.t_m && a.index > b.index);
+}
+
+// The next splats of each lane in order.
+template <typename L>
+struct SplatBuffer {
+  static constexpr int capacity = L::count > 1 ? 32 : 16;  // a thread of a card has a small stack
+  int count[L::count];
+  float through[L::count];  // Π (1 − α) over them, and what is before them
+  SplatPlace place[L::count][capacity];
+  float alpha[L::count][capacity];
+};
+
+// Where the rays of a packet have come, and how far they look, [lane].
+template <typename L>
+struct SplatReach {
+  alignas(L::count * 4) float near_m[L::count];
+  std::int32_t last[L::count];  // index of the splat at near_m that was found last, or behind_all
+  alignas(L::count * 4) float far_m[L::count];
+  float through[L::count];  // how much light gets through up to near_m
+};
+
+// Leaves out what is behind where next to no light gets through any more, whatever else is found
+// before. By half of the threshold, so that rounding never decides.
+template <typename L>
+OMMA_HD void cut_unseen(SplatBuffer<L>& buffer, int l, SplatReach<L>& reach) {
+  float through = reach.through[l];
+  for (int k = 0; k < buffer.count[l]; ++k) {
+    through *= 1.0f - buffer.alpha[l][k];
+    if (through >= 0.5f * least_splat_transmittance) continue;
+    buffer.count[l] = k + 1;
+    buffer.through[l] = through;
+    reach.far_m[l] = buffer.place[l][k].t_m;
+    return;
+  }
+  buffer.through[l] = through;
+}
+
+// Puts a splat where it belongs; the last one makes room for it.
+template <typename L>
+OMMA_HD void insert_splat(SplatBuffer<L>& buffer, int l, const SplatPlace& place, float alpha,
+                          SplatReach<L>& reach) {
+  constexpr int last = SplatBuffer<L>::capacity - 1;
+  const bool full = buffer.count[l] > last;
+  if (full && is_behind(place, buffer.place[l][last])) return;
+  int k = full ? last : buffer.count[l]++;
+  for (; k > 0 && is_behind(buffer.place[l][k - 1], place); --k) {
+    buffer.place[l][k] = buffer.place[l][k - 1];
+    buffer.alpha[l][k] = buffer.alpha[l][k - 1];
+  }
+  buffer.place[l][k] = place;
+  buffer.alpha[l][k] = alpha;
+  if (buffer.count[l] > last) reach.far_m[l] = buffer.place[l][last].t_m;
+  // As long as nothing has been dropped that is what gets through, else less: then it is found
+  // anew.
+  buffer.through[l] *= 1.0f - alpha;
+  if (buffer.through[l] < 0.5f * least_splat_transmittance) cut_unseen(buffer, l, reach);
+}
+
+// By a splat's whitening.
+template <typename F>
+OMMA_HD Vector3<F> whiten(const float (&m)[3][3], const Vector3<F>& v) {
+  return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z,
+          m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+          m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
+}
+
+// Rays in the frame of splats, of which a search asks.
+template <typename L>
+struct SplatRays {
+  const RayFrame<L>& frame;
+  bool one_origin;  // of all that ask
+};
+
+// Puts what the lanes meet of one splat into the buffer.
+template <typename L>
+OMMA_HD void meet_splat(const TracedSplat& splat, std::int32_t index, const SplatRays<L>& rays,
+                        unsigned lanes, SplatReach<L>& reach, SplatBuffer<L>& buffer) {
+  using F = typename L::F;
+  const Vector3<float> center = vector_of(splat.center);
+  const int any = lowest_bit(lanes);
+  const float(*const origin)[L::count] = rays.frame.origin;
+  const Vector3<float> from_one = whiten(
+      splat.whitening, Vector3<float>{origin[0][any], origin[1][any], origin[2][any]} - center);
+  for (int l = 0; l < L::count; l += L::width) {
+    if constexpr (L::count > L::width)
+      if ((lanes >> l & LaneMask<L>::vector_bits) == 0) continue;
+    const Vector3<F> d = whiten(splat.whitening, rays.frame.load_direction(l));
+    const Vector3<F> o = rays.one_origin
+                             ? Vector3<F>{} + from_one
+                             : whiten(splat.whitening, rays.frame.load_origin(l) - center);
+    const F t = (0.0f - dot(o, d)) / dot(d, d);
+    const Vector3<F> closest = o + d * t;
+    const F square = dot(closest, closest);
+    const unsigned met = lanes >> l & lane_bits(square <= splat.most_square) &
+                         lane_bits(t >= load<F>(reach.near_m + l)) &
+                         lane_bits(t <= load<F>(reach.far_m + l));
+    if (met == 0) continue;
+    const F response = exp2_lanes(square * -0.721347520f) * splat.opacity;
+    const F alpha = response < most_splat_alpha ? response : broadcast<F>(most_splat_alpha);
+    float t_of[L::width], alpha_of[L::width];
+    store(t_of, t);
+    store(alpha_of, alpha);
+    for (unsigned left = met; left != 0; left &= left - 1) {
+      const int i = lowest_bit(left), lane = l + i;
+      const SplatPlace place{t_of[i], index};
+      if (is_behind(place, {reach.near_m[lane], reach.last[lane]}))
+        insert_splat(buffer, lane, place, alpha_of[i], reach);
+    }
+  }
+}
+
+// Fills the buffer of those lanes with what comes next. `reach.far_m` comes nearer where it is full
+// and where no light gets through; `rays` are in the frame of splats.
+template <typename L>
+OMMA_HD_CALLED void find_splats(const SplatsView& view, const Visits<L::count>& visits,
+                                LaneMask<L> on, const RayFrame<L>& rays, SplatReach<L>& reach,
+                                SplatBuffer<L>& buffer) {
+  on.for_each([&](int l) {
+    buffer.count[l] = 0;
+    buffer.through[l] = reach.through[l];
+  });
+  for (unsigned left = on.bits; left != 0;) {
+    RayBundle<L> bundle;
+    make_bundle<L>(rays, reach.near_m, left, bundle);
+    left &= ~bundle.lanes;
+    search_tree<L, most_tree_depth>({view.nodes, 0, visits.tree}, bundle, bundle.lanes, reach.far_m,
+                                    [&](std::uint32_t block, std::uint32_t splats, unsigned asked) {
+                                      for (std::uint32_t k = 0; k < splats; ++k) {
+                                        const std::uint32_t index = block * splats_per_block + k;
+                                        meet_splat<L>(
+                                            view.splats[index], static_cast<std::int32_t>(index),
+                                            {rays, bundle.one_origin}, asked, reach, buffer);
+                                      }
+                                      return asked;
+                                    });
+  }
+}
+
+}  // namespace omma
