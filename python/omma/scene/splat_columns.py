@@ -85,7 +85,7 @@ class SplatColumns:
         rows = slice(self.filled, self.filled + int(np.count_nonzero(taken)))
         self.positions[rows] = positions[chosen]
         self.scales[rows] = scales[chosen]
-        self.rotations[rows] = (rotations / np.where(length > 0, length, 1)[:, None])[chosen]
+        self.rotations[rows] = rotations[chosen] / length[chosen][:, None]
         self.opacities[rows] = opacities[chosen]
         self.harmonics[rows] = harmonics[chosen]
         self.filled = rows.stop
