@@ -15,8 +15,8 @@ from omma.scene.splat_arrays import SplatArrays
 
 Floats = NDArray[np.float64]
 
-# Of a piece: some 100 MB while it is read.
-PIECE = 1 << 17
+# Of a piece: some 10 MB while it is read, which caches hold.
+PIECE = 1 << 14
 # Number of coefficients of all three colours above degree 0, by degree.
 REST_COUNTS = (0, 9, 24, 45)
 

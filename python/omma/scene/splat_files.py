@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -125,15 +126,17 @@ def write_splats(path: PathLike, splats: SplatArrays) -> None:
             for piece in _pieces(splats, frame):
                 write_ply_rows(file, piece)
             return
+        # All but harmonics, which are most of the work, of splats without them.
+        plain = dataclasses.replace(splats, harmonics=splats.harmonics[:, :1])
         farthest = max(
-            (float(np.abs(one.positions).max()) for one in _pieces(splats, frame)), default=0.0
+            (float(np.abs(one.positions).max()) for one in _pieces(plain, frame)), default=0.0
         )
         try:
             writer = SpzWriter(file, len(splats), terms, farthest)
         except Error as error:
             raise Error(f"{name}: {error}") from None
         for attribute in ATTRIBUTES:
-            for piece in _pieces(splats, frame):
+            for piece in _pieces(splats if attribute == "harmonics" else plain, frame):
                 writer.write(attribute, piece)
         writer.close()
 

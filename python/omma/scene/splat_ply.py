@@ -142,16 +142,16 @@ def _binary_blocks(
     is_even = {one.type for one in vertex.properties} == {"f4"}
 
     def blocks() -> Iterator[NDArray[Any]]:
-        if is_even:
-            even = np.memmap(path, order + "f4", "r", begin, (vertex.count, len(names)))
+        with open(path, "rb") as file:
+            file.seek(begin)
             for start in range(0, vertex.count, PIECE):
-                yield even[start : start + PIECE].astype(np.float32)[:, chosen]
-            return
-        table = np.memmap(path, row, "r", begin, (vertex.count,))
-        assert row.names is not None
-        for start in range(0, vertex.count, PIECE):
-            some = np.array(table[start : start + PIECE])
-            yield np.stack([some[row.names[k]].astype(np.float64) for k in chosen], axis=1)
+                some = np.fromfile(file, row, min(PIECE, vertex.count - start))
+                if is_even:
+                    even = some.view(order + "f4").reshape(len(some), len(names))
+                    yield even.astype(np.float32, copy=False)[:, chosen]
+                else:
+                    columns = [some[f"f{k}"].astype(np.float64) for k in chosen]
+                    yield np.stack(columns, axis=1)
 
     return blocks
 

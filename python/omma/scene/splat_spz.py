@@ -3,6 +3,8 @@ other, in bytes, in a frame that looks along -Z with +Y up, as Omma's.
 
 The layout is that of nianticlabs/spz (MIT), README.md and src/cc/load-spz.cc. Versions 2 and 3 are
 gzip streams; version 4 has a head that is not packed and a Zstandard stream for each attribute.
+That splats were trained with antialiasing, a bit of the head, changes nothing: it is about the
+filter of a picture's pixels, which rays do not have.
 """
 
 from __future__ import annotations
