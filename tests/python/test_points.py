@@ -345,10 +345,13 @@ def test_clouds_are_values():
     assert kept == PointCloud(PLACES)
 
 
-def test_gaussian_splats_are_no_points(tmp_path):
-    zeros = np.zeros(len(PLACES))
-    more = {name: ("float", zeros) for name in ("f_dc_0", "opacity", "scale_0", "rot_0")}
+@pytest.mark.parametrize(
+    "names", [("f_dc_0", "opacity", "scale_0", "rot_0"), ("packed_position", "packed_rotation")]
+)
+def test_gaussian_splats_are_no_points(tmp_path, names):
+    more = {name: ("float", np.zeros(len(PLACES))) for name in names}
     path = write_ply(tmp_path / "place.ply", ply_columns(**more))
+    assert not files_of_points.is_point_file(str(path))
     for read in (omma.scene.load_points, omma.load_scene):
         with pytest.raises(omma.Error, match=r"place\.ply: .* found Gaussian splats, which Omma"):
             read(path)

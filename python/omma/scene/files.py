@@ -19,6 +19,7 @@ from omma.base.warn import warn_caller
 from omma.scene.joining import place_scene
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
+from omma.scene.splat_files import is_splat_file
 from omma.scene.surfel_scenes import load_surfels
 
 # How the loader's sentence about what only a light shows begins. It is told once a session.
@@ -104,6 +105,10 @@ def read_scene(
         raise Error(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
+        )
+    if is_splat_file(name):
+        raise Error(
+            f"{name}: expected surfaces, found Gaussian splats, which Omma does not render yet"
         )
     is_points = is_point_file(name)
     if is_points or Path(name).suffix.lower() in MESH_FILES:

@@ -42,9 +42,9 @@ _UNNAMED = {
 }  # fmt: skip
 # Of a LAS file: what its authors marked as wrong (ASPRS LAS 1.4 R15, table 17).
 _NOISE = (7, 18)
-# What vertices of files of Gaussian splats have (Kerbl et al. 2023): a colour by harmonics, a scale
-# and a turn of each.
-_OF_SPLATS = {"f_dc_0", "scale_0", "rot_0"}
+# What vertices of files of Gaussian splats have: a colour by harmonics, a scale and a turn of each
+# (Kerbl et al. 2023), or these packed (PlayCanvas).
+_OF_SPLATS = ({"f_dc_0", "scale_0", "rot_0"}, {"packed_position", "packed_rotation"})
 
 
 @dataclass
@@ -80,9 +80,17 @@ def is_point_file(path: str) -> bool:
     ending = Path(path).suffix.lower()
     if ending != ".ply" or not os.path.isfile(path):
         return ending in POINT_FILES
-    _, elements, _ = _ply_head(path)
+    _, elements, _ = ply_head(path)
+    if holds_splats(elements):
+        return False
     rows = {one.name: one.count for one in elements}
     return rows.get("vertex", 0) > 0 and not (rows.get("face", 0) or rows.get("tristrips", 0))
+
+
+def holds_splats(elements: list[PlyElement]) -> bool:
+    """Whether the vertices of a PLY file are Gaussian splats."""
+    names = {p.name for one in elements if one.name == "vertex" for p in one.properties}
+    return any(some <= names for some in _OF_SPLATS)
 
 
 def open_points(path: str) -> PointFile:
@@ -103,7 +111,8 @@ def open_points(path: str) -> PointFile:
         return openers[ending](path)
 
 
-def _ply_head(path: str) -> tuple[str, list[PlyElement], int]:
+def ply_head(path: str) -> tuple[str, list[PlyElement], int]:
+    """Order of bytes ("" for text), elements, and where rows begin."""
     with reading(path, "PLY"), open(path, "rb") as file:
         order, elements, _, begin = read_header(
             path, file.read(LONGEST_HEADER), os.path.getsize(path)
@@ -112,7 +121,7 @@ def _ply_head(path: str) -> tuple[str, list[PlyElement], int]:
 
 
 def _open_ply(path: str) -> PointFile:
-    order, elements, begin = _ply_head(path)
+    order, elements, begin = ply_head(path)
     names = [one.name for one in elements]
     if "vertex" not in names:
         raise Error(f"{path}: expected vertices, found {', '.join(names) or 'nothing'}")
@@ -120,7 +129,7 @@ def _open_ply(path: str) -> PointFile:
     if any(one.count_type for each in (*before, vertex) for one in each.properties):
         raise Error(f"{path}: expected vertices without lists in them or before them")
     types = {one.name.lower(): one.type for one in vertex.properties}
-    if _OF_SPLATS <= types.keys():
+    if holds_splats(elements):
         raise Error(
             f"{path}: expected points on surfaces, found Gaussian splats, which Omma does not "
             "render yet"
@@ -132,10 +141,10 @@ def _open_ply(path: str) -> PointFile:
 
         def pieces() -> Iterator[Piece]:
             rows = 0
-            for table in _text_tables(path, begin, len(types), skipped, vertex.count):
+            for table in text_tables(path, begin, len(types), skipped, vertex.count):
                 rows += len(table)
                 yield _piece(path, dict(zip(types, table.T)))
-            _expect_all(path, vertex.count, rows)
+            expect_all(path, vertex.count, rows)
 
     else:
         row = np.dtype([(name, order + kind) for name, kind in types.items()])
@@ -145,7 +154,7 @@ def _open_ply(path: str) -> PointFile:
 
         def pieces() -> Iterator[Piece]:
             there = (os.path.getsize(path) - begin) // max(row.itemsize, 1)
-            _expect_all(path, vertex.count, min(there, vertex.count))
+            expect_all(path, vertex.count, min(there, vertex.count))
             table = np.memmap(path, row, "r", begin, (vertex.count,))
             for start in range(0, vertex.count, PIECE):
                 some = np.array(table[start : start + PIECE])
@@ -154,7 +163,8 @@ def _open_ply(path: str) -> PointFile:
     return PointFile(path, "PLY", vertex.count, pieces, whites, up="y")
 
 
-def _expect_all(path: str, expected: int, found: int) -> None:
+def expect_all(path: str, expected: int, found: int) -> None:
+    """omma.Error where a file ends too early."""
     if found < expected:
         raise Error(
             f"{path}: expected {expected:,} points, found the end of the file after {found:,}"
@@ -185,7 +195,7 @@ def _open_text(path: str) -> PointFile:
         )
 
     def pieces() -> Iterator[Piece]:
-        for table in _text_tables(path, begin, len(columns)):
+        for table in text_tables(path, begin, len(columns)):
             yield _piece(path, dict(zip(columns, table.T)))
 
     return PointFile(path, "text", None, pieces, (1.0, 255.0, 65535.0))
@@ -204,7 +214,7 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _text_tables(
+def text_tables(
     path: str, begin: int, columns: int, skipped: int = 0, most: int | None = None
 ) -> Iterator[Floats]:
     """(n, columns) after some lines that are skipped; at most so many rows in all."""
@@ -274,7 +284,7 @@ def _open_las(path: str) -> PointFile:
             for some in reader.chunk_iterator(PIECE):
                 rows += len(some)
                 yield _las_piece(some, dimensions, made.left_out)
-        _expect_all(path, made.count or 0, rows)
+        expect_all(path, made.count or 0, rows)
 
     made.pieces = pieces
     return made
