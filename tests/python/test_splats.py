@@ -111,7 +111,7 @@ def test_errors_batches_and_shared_rays():
     z = (found[0] - exact) / np.maximum(error[0], 1e-12)
     # Student's t of eight scrambles, 1.18, and the error of what is taken for exact.
     assert 0.9 < np.sqrt(np.mean(z**2)) < 1.35
-    to_error = omma.Renderer(world, eye, omma.ToError(relative=0.05, most_rays=4096))
+    to_error = omma.Renderer(world, eye, omma.ToError(relative_error=0.05))
     close = to_error.render(AHEAD)[0]
     assert np.sqrt(np.mean((close / exact - 1)[exact > 0.02] ** 2)) < 0.06
     shared = omma.Renderer(world, eye, omma.Shared(8)).render(AHEAD)[0]
@@ -232,9 +232,7 @@ def test_splats_cast_shadows_and_light_surfaces():
 
     def seen(*splats, emission=1.0):
         scene = merge_scenes([wall, omma.Scene(lights=[lamp], splats=splats)])
-        world = omma.World(
-            scene, light=omma.light.lamps(), emission_cd_m2=emission
-        )
+        world = omma.World(scene, light=omma.light.lamps(), emission_cd_m2=emission)
         return omma.Renderer(world, eye, omma.Fixed(256)).render(AHEAD)[0, 0]
 
     with warnings.catch_warnings():

@@ -117,30 +117,6 @@ OMMA_HD void eval_closest(const UnlitFlight<L, Search>& flight, LaneMask<L> on, 
   eval_surfaces<L>(flight.scene, packet.rays, hits, color);
 }
 
-// What a step met, and the splats before it, from seen_m on, as one surface: it covers 1 − T (1 −
-// α) of what lies behind. The rays have then been seen up to there. `depths` may be null.
-template <typename L, typename Search>
-OMMA_HD_CALLED void cover_with_splats(const UnlitFlight<L, Search>& flight, LaneMask<L> on,
-                                      float (&seen_m)[L::count], PacketColor<L>& color,
-                                      SplatDepths<L>* depths) {
-  using F = typename L::F;
-  const RayPacket<L::count>& rays = flight.packet.rays;
-  SplatLight<L> light;
-  eval_splats<L>(*flight.scene.splats, flight.search.visits_of_trees(), on, rays, seen_m, light,
-                 depths);
-  for (int l = 0; l < L::count; l += L::width) {
-    const F through = load<F>(light.transmittance + l), alpha = load<F>(color.alpha + l);
-    const F covered = 1.0f - through * (1.0f - alpha);
-    const F per_covered = covered > 0.0f ? 1.0f / covered : F{};
-    for (int c = 0; c < 3; ++c) {
-      float* const rgb = color.rgb[c] + l;
-      store(rgb, (load<F>(light.rgb[c] + l) + through * alpha * load<F>(rgb)) * per_covered);
-    }
-    store(color.alpha + l, covered);
-    store(seen_m + l, load<F>(rays.t_far_m + l));
-  }
-}
-
 // Radiance [band][lane] of the rays of some lanes of a packet. `first`: takes what they met first,
 // or null.
 template <typename L, typename Search>
@@ -156,11 +132,7 @@ OMMA_HD_CALLED void eval_path(const UnlitFlight<L, Search>& flight, LaneMask<L> 
   const auto eval_step = [&] {
     eval_closest(flight, on, hits, color);
     if (first != nullptr) *first = {packet, hits};
-    if (scene.splats != nullptr) {
-      SplatDepths<L> depths;
-      cover_with_splats(flight, on, seen_m, color, first == nullptr ? nullptr : &depths);
-      if (first != nullptr) meet_splats(scene, depths, *first);
-    }
+    if (scene.splats != nullptr) cover_with_splats(flight, on, seen_m, color, first);
     first = nullptr;
   };
   const auto colors_at = [&](int l, F(&rgb)[3]) {

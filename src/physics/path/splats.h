@@ -193,4 +193,31 @@ OMMA_HD void meet_splats(const SceneView& scene, const SplatDepths<L>& depths,
   }
 }
 
+// What a step of an unlit path met, and the splats before it, from seen_m on, as one surface: it
+// covers 1 − T (1 − α) of what lies behind. The rays have then been seen up to there. `first`: has
+// what they met, and takes the splats before it; or null.
+template <typename L, typename Flight, typename Color>
+OMMA_HD_CALLED void cover_with_splats(const Flight& flight, LaneMask<L> on,
+                                      float (&seen_m)[L::count], Color& color,
+                                      FirstHits<L>* first) {
+  using F = typename L::F;
+  const RayPacket<L::count>& rays = flight.packet.rays;
+  SplatLight<L> light;
+  SplatDepths<L> depths;
+  eval_splats<L>(*flight.scene.splats, flight.search.visits_of_trees(), on, rays, seen_m, light,
+                 first == nullptr ? nullptr : &depths);
+  if (first != nullptr) meet_splats(flight.scene, depths, *first);
+  for (int l = 0; l < L::count; l += L::width) {
+    const F through = load<F>(light.transmittance + l), alpha = load<F>(color.alpha + l);
+    const F covered = 1.0f - through * (1.0f - alpha);
+    const F per_covered = covered > 0.0f ? 1.0f / covered : F{};
+    for (int c = 0; c < 3; ++c) {
+      float* const rgb = color.rgb[c] + l;
+      store(rgb, (load<F>(light.rgb[c] + l) + through * alpha * load<F>(rgb)) * per_covered);
+    }
+    store(color.alpha + l, covered);
+    store(seen_m + l, load<F>(rays.t_far_m + l));
+  }
+}
+
 }  // namespace omma
