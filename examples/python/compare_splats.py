@@ -80,7 +80,7 @@ def table(found, where, errors):
 
 def draw(path, eye, found, title):
     """The meadow, the splats, and the splats over the meadow, in green light."""
-    figure, panels = plt.subplots(3, 1, figsize=(8, 11), layout="constrained", sharex=True)
+    figure, panels = plt.subplots(3, 1, figsize=(8, 13), layout="constrained")
     ids = omma.picture.field_ids(eye, WIDTH, HEIGHT)
     around = {"extent": (-180, 180, -90, 90), "interpolation": "nearest"}
     for panel, name, responses in zip(panels, ("the meadow", "the splats"), found):
@@ -89,16 +89,18 @@ def draw(path, eye, found, title):
     ratio = np.where(ids < 0, np.nan, (found[1][:, 1] / found[0][:, 1])[ids])
     shown = panels[2].imshow(ratio, cmap="RdBu_r", norm=LogNorm(0.5, 2), **around)
     panels[2].set_title("splats / meadow, green")
-    bar = figure.colorbar(shown, ax=panels[2], extend="both", label="ratio of responses")
+    bar = figure.colorbar(
+        shown, ax=panels[2], extend="both", label="ratio of responses", location="bottom"
+    )
     bar.set_ticks([0.5, 0.7, 1, 1.4, 2], labels=["0.5", "0.7", "1", "1.4", "2"])
     bar.minorticks_off()
     for panel in panels:
         panel.set(
             ylabel="elevation, degrees", xticks=range(-180, 181, 60), yticks=range(-90, 91, 30)
         )
-    panels[2].set_xlabel("azimuth, degrees (right is positive)")
+        panel.set_xlabel("azimuth, degrees (right is positive)")
     figure.suptitle(title)
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=110, bbox_inches="tight")
     plt.close(figure)
 
 

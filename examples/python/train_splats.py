@@ -266,8 +266,8 @@ def train(views, *, count, steps, minutes, seed=0):
     return splats
 
 
-def save(path, splats, views):
-    """A file as 3DGS writes it, and the same as arrays, with the training cameras' places."""
+def save(path, splats):
+    """A file as 3DGS writes it, and the same as arrays, with where the training cameras were."""
     with torch.no_grad():
         trained = {name: value.numpy() for name, value in splats.trained.items()}
         positions = splats.positions().numpy()
@@ -294,7 +294,7 @@ def save(path, splats, views):
         quaternion_wxyz=turn,
         opacity=1 / (1 + np.exp(-trained["logit"])),
         harmonics=np.concatenate([trained["color"][:, None], trained["slope"]], axis=1),
-        camera_position_m=np.stack([view.eye.numpy() for view in views]),
+        camera_position_m=np.stack([view.eye.numpy() for view in splats.views]),
     )
     print(f"wrote {path}, {path.stat().st_size / 1e6:.2f} MB, and {path.stem}.npz")
 
@@ -325,7 +325,7 @@ def main(arguments=None):
     print(f"{len(views)} pictures of {WIDTH} x {HEIGHT}", flush=True)
     splats = train(views, count=given.splats, steps=given.steps, minutes=given.minutes)
     given.output.parent.mkdir(parents=True, exist_ok=True)
-    save(given.output, splats, views)
+    save(given.output, splats)
     save_held_out(given.output.with_suffix(".png"), splats, views)
 
 
