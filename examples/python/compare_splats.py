@@ -3,8 +3,8 @@
 The splats are those of `train_splats.py`, or others of that place in the same frame. They hold no
 sky, so both worlds have the meadow's. An ommatidium's relative difference is (splats - meadow) /
 meadow, in linear light. Ommatidia are sorted into regions by where they look and by how far away
-what they see of the meadow is. Both worlds are sampled by the same rays; (noise) is what the rms
-relative difference would be, in green, of two worlds that differ by their sampling alone.
+what they see of the meadow is. Both worlds are sampled by the same rays; (noise) is the rms of both
+standard errors together, in green, relative to the meadow.
 
     python examples/python/train_splats.py -o meadow_splats.ply
     python examples/python/compare_splats.py meadow_splats.ply -o meadow_splats_bee.png
@@ -90,7 +90,7 @@ def draw(path, eye, found, title):
     shown = panels[2].imshow(ratio, cmap="RdBu_r", norm=LogNorm(0.5, 2), **around)
     panels[2].set_title("splats / meadow, green")
     bar = figure.colorbar(
-        shown, ax=panels[2], extend="both", label="ratio of responses", location="bottom"
+        shown, ax=panels[2], extend="both", label="ratio of responses", location="bottom", aspect=40
     )
     bar.set_ticks([0.5, 0.7, 1, 1.4, 2], labels=["0.5", "0.7", "1", "1.4", "2"])
     bar.minorticks_off()
