@@ -224,6 +224,8 @@ def test_wrong_arguments(photographed):
     eye = omma.eye.generate_eye(5)
     for arguments, said in (
         ((eye, np.diag([np.nan, 1, 1, 1])), "poses: expected finite numbers"),
+        ((eye, ([[1e300, 0, 0]], [[0, 0, 0, 1]])), r"poses: expected finite numbers within 1e\+18"),
+        ((eye, np.diag([0, 1.0, 1, 1])), "poses: expected axes of lengths above 1e-15"),
         ((eye, np.eye(4), np.ones(5)), r"distance_m: expected shape \(1, 5\), found \(5,\)"),
         ((eye, np.eye(4), [[1, 2, np.nan, 3, 4]]), "distance_m: expected distances of 0 or more"),
         ((eye, np.eye(4), [[1, 2, -1, 3, 4]]), "distance_m: expected distances of 0 or more"),

@@ -33,6 +33,8 @@ Floats = NDArray[np.float64]
 
 # What a transform may be off a rotation times a scale, relative to that.
 _SIMILAR = 1e-6
+# Of poses: coordinates, and lengths of their axes.
+_FARTHEST_M, _LEAST_SIZE = 1e18, 1e-15
 
 
 @value_class
@@ -137,8 +139,12 @@ class CaptureCameras:
             omma.Error: poses that are none, distances of another shape or below 0.
         """
         matrices = as_poses(poses)
-        if not np.isfinite(matrices).all():
-            raise Error("poses: expected finite numbers")
+        # As far, as large and as small as the engine takes them.
+        if not np.abs(matrices).max(initial=0) <= _FARTHEST_M:  # nor is NaN
+            raise Error(f"poses: expected finite numbers within {_FARTHEST_M:g}")
+        sizes = np.linalg.norm(matrices[:, :3, :3], axis=1)
+        if not (sizes >= _LEAST_SIZE).all():
+            raise Error(f"poses: expected axes of lengths above {_LEAST_SIZE:g}")
         distances = np.full((len(matrices), len(eye)), np.inf)
         if distance_m is not None:
             distances = array_of(distance_m, "distance_m", distances.shape)
