@@ -28,8 +28,8 @@ from omma import species
 CALLS = 16
 CALLS_OF_SLOW = 4
 SLOW = {
-    "plot_acceptance", "plot_eye_maps", "plot_poster", "plot_responses", "plot_sky", "plot_species",
-    "species.build",
+    "plot_acceptance", "plot_capture_cameras", "plot_eye_maps", "plot_poster", "plot_responses",
+    "plot_sky", "plot_species", "species.build",
 }  # fmt: skip
 
 # Known to let something else through, by function and parameter, and why. Whoever mends one takes
@@ -132,6 +132,9 @@ def public_calls(folder):
     sphere = omma.eye.surfaces.sphere(1e-3)
     scan = np.random.default_rng(0).random((40, 3)) * (1, 0.01, 1)
     np.savetxt(folder / "scan.xyz", scan)
+    capture = omma.scene.CaptureCameras([[0, 1, 0]], [np.eye(3)], [[30, 20]])
+    frame = {"transform_matrix": np.eye(4).tolist()}
+    (folder / "transforms.json").write_text(json.dumps({"frames": [frame]}))
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     splat = [(0, 0, -1)], [(0.1, 0.2, 0.3)], [(0, 0, 0, 1)], [0.5], np.zeros((1, 4, 3))
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -307,6 +310,9 @@ def public_calls(folder):
         "load_poses": (folder / "poses.csv",),
         "load_scene": (folder / "scene.gltf",),
         "load_surface": (folder / "face.obj",),
+        "CaptureCameras": ([[0, 1, 0]], [np.eye(3)]),
+        "load_capture_cameras": (folder / "transforms.json",),
+        "plot_capture_cameras": (png, capture),
         "load_points": (folder / "scan.xyz",),
         "surfels": (omma.scene.PointCloud(scan),),
         "look_at": ((0, 0, 0), (0, 0, -1)),
@@ -547,6 +553,7 @@ def public_calls(folder):
             "every": (0.5,), "at_speed": dict(speed_m_s=0.5, step_s=0.5),
         }),
         "Wiring": (omma.eye.superposition.Wiring([0, 1], [0], [1.0]), {}),
+        "CaptureCameras": (capture, {"nearness": (eye, pose)}),
         "GroundTruth": (renderer.ground_truth(pose), {}),
         "UltravioletDependence": (
             omma.rendering.UltravioletDependence((), *[np.ones((1, 1))] * 3), {},

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from capture_files import write_transforms
 from conftest import DATA
 
 import omma
@@ -41,7 +42,8 @@ header = "ply\\nformat ascii 1.0\\nelement vertex 9000\\n" + "".join(
 rows = np.random.default_rng(1).random((9000, 4)) * (0.3, 0.3, 0.01, 2) + (0, 0, 0, 2)
 rows[:, 3] = np.floor(rows[:, 3])
 np.savetxt("scan.ply", rows, "%.5g", header=header + "end_header", comments="")
-"""
+""",
+        7: 'import os; os.symlink("meadow.glb", "garden.glb")',
     },
     "docs/receptors.md": {
         1: """
@@ -218,6 +220,8 @@ def folder(tmp_path):
         omma.load_eye(few), omma.receptors.honeybee_ommatidia()
     )
     omma.save_eye(tmp_path / "bee.csv", receptors)
+    around = [omma.look_at((x, 1, 3), (0, 0, 0)) for x in (-1, 0, 1)]
+    write_transforms(tmp_path / "transforms.json", around)
     if COMPOUND_RAY.is_dir():
         scenes = COMPOUND_RAY / "scenes"
         (tmp_path / "eyes").symlink_to(scenes / "eyes")

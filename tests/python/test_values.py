@@ -81,6 +81,7 @@ def examples(files, tmp_path_factory):
     angles = omma.eye.generate_eye(200)
     oda = omma.eye.scans.ImportedEye(eye, ("one", "two"))
     pose = omma.look_at((0, 1, 0), (0, 1, -5))
+    capture = omma.scene.CaptureCameras([[1.0, 2.0, 3.0]], [np.eye(3)], names=("a.jpg",))
     return {
         "Acceptance": all_round_eye().acceptances[3],
         "Background": omma.Background.constant((0.1, 0.2, 0.3)),
@@ -155,7 +156,9 @@ def examples(files, tmp_path_factory):
         "rendering.PanoramaView": omma.rendering.PanoramaView(
             eye, omma.rendering.Equirectangular(9, 18)
         ),
-        "rendering.GroundTruth": renderer.ground_truth(pose, shares=[0]),
+        "rendering.GroundTruth": renderer.ground_truth(
+            pose, shares=[0], capture_cameras=capture
+        ),
         "rendering.UltravioletDependence": omma.rendering.UltravioletDependence(
             ("grass",),
             np.zeros((1, 2, 3), np.float32),
@@ -169,6 +172,7 @@ def examples(files, tmp_path_factory):
         "scene.Bake": omma.scene.Bake(cell_m=0.5, paths=64, cache=False),
         "scene.BakedInfo": omma.scene.BakedInfo(9, 0.5, 32, 0.1, 0.3, 1152, 3, 0.25, True),
         "scene.Camera": scene.cameras[1],
+        "scene.CaptureCameras": capture,
         "scene.Device": omma.scene.Device("2 threads", ("embree", "portable")),
         "scene.ExtraReflectance": omma.scene.ExtraReflectance(
             0, [omma.light.Spectrum([300, 400], [0.1, 0.2])]
@@ -236,7 +240,8 @@ UNHASHABLE = {
     "rendering.GroundTruth",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
-    "scene.NaturalMaterial", "scene.PointCloud", "view.Seen", "mesh_surface()", "EyeMeasures.field",
+    "scene.CaptureCameras", "scene.NaturalMaterial", "scene.PointCloud", "view.Seen",
+    "mesh_surface()", "EyeMeasures.field",
 }  # fmt: skip
 # Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
 # (tests/python/test_view_window.py); memory of a graphics card (tests/python/test_card_arrays.py).

@@ -164,6 +164,7 @@ _OWN = {
     "Bake": "omma.scene.Bake",
     "Bands": "omma.light.Bands",
     "Camera": "omma.scene.Camera",
+    "CaptureCameras": "omma.scene.CaptureCameras",
     "DetectorState": "omma.motion.DetectorState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",

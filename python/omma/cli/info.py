@@ -8,11 +8,14 @@ from typing import Annotated
 import typer
 
 from omma._core import Error
+from omma.base.figures import figure_names
 from omma.cli.help import App
 from omma.cli.options import SceneUpOption
-from omma.cli.working import say, working
+from omma.cli.working import check_outputs, say, working
 from omma.job.info import describe_devices, describe_file
+from omma.picture.capture_plots import plot_capture_cameras
 from omma.scene.building import READING
+from omma.scene.capture_cameras import is_capture, load_capture_cameras
 
 INFO_HELP = """
 Say what is in a file: a scene, an eye, or responses and how they were made.
@@ -31,6 +34,8 @@ What an eye is like as an eye is measured by **omma eye info**.
 
 `omma info forest.xyz`
 
+`omma info garden/sparse/0 -o hull.png`
+
 `omma info flight.npy`
 
 `omma info --devices`
@@ -45,7 +50,8 @@ def info(
         Path | None,
         typer.Argument(
             help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz), "
-            "an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, .npy, .csv).",
+            "cameras of a capture (COLMAP's folder, transforms.json, cameras.json), an eye (.eye, "
+            ".csv), or responses (.zarr, .nc, .parquet, .npy, .csv).",
             metavar="FILE",
             show_default=False,
         ),
@@ -59,11 +65,18 @@ def info(
         ),
     ] = None,
     up: SceneUpOption = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Figure of the cameras of a capture to write: .pdf, .svg, .png.",
+            metavar="OUT",
+        ),
+    ] = None,
     devices: Annotated[
         bool,
         typer.Option("--devices", help="Say what there is to trace rays with instead."),
     ] = False,
-) -> None:
+) -> None:  # fmt: skip
     """Say what is in a file."""
     if devices:
         if file is not None:
@@ -73,7 +86,16 @@ def info(
         return
     if file is None:
         raise Error("FILE: expected a file, or --devices, found neither")
+    names = [] if output is None else figure_names(output)
+    check_outputs(output)
+    if names and not is_capture(file):
+        raise Error(f"--output: is for the cameras of a capture, found {file}")
     with working() as bar:
         lines = describe_file(file, unit, up, bar.fraction_of(READING))
+        if names:
+            cameras = load_capture_cameras(file, unit="m" if unit is None else unit, up=up)
+            plot_capture_cameras(names, cameras)
     for what, value in lines:
         say(f"{what:<16} {value}")
+    for name in names:
+        say(f"wrote {name}")

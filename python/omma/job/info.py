@@ -13,9 +13,11 @@ from omma._core import Error, Eye, Scene, SplatCloud
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.eye.files import eye_file_heads, load_eye
+from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_extent
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
+from omma.scene.capture_cameras import is_capture, load_capture_cameras
 from omma.scene.device_list import devices
 from omma.scene.files import read_scene
 from omma.scene.mesh_files import MESH_FILES
@@ -57,7 +59,7 @@ def describe_file(
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Lines:
-    """What is in a file of a scene, points, an eye or responses.
+    """What is in a file of a scene, points, cameras of a capture, an eye or responses.
 
     ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
     ``up`` what is up in these; ``progress`` is told how much of a scene is read.
@@ -65,6 +67,10 @@ def describe_file(
     Raises:
         omma.Error: the file cannot be read.
     """
+    if is_capture(path):
+        return describe_capture(
+            load_capture_cameras(path, unit="m" if unit is None else unit, up=up)
+        )
     if is_response_file(path):
         return describe_responses(path)
     if is_point_file(os.fsdecode(path)):

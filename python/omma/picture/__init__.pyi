@@ -1,6 +1,7 @@
 from .acceptance_plots import plot_acceptance
 from .band_colours import bands_to_rgb
 from .cameras import camera_eye, display
+from .capture_plots import plot_capture_cameras
 from .drawing import draw_eye
 from .eye_maps import plot_eye_maps
 from .fields import field_ids
@@ -30,6 +31,7 @@ __all__ = [
     "framed",
     "paint",
     "plot_acceptance",
+    "plot_capture_cameras",
     "plot_eye_maps",
     "plot_poster",
     "plot_responses",

@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, whole
-from omma.base.progress import Progress
+from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared
 from omma.rendering.labels import Variables
 from omma.rendering.moves import Moves, MovesOptions, renderer_method
 from omma.rendering.settings import Shared, ToError
+from omma.scene.capture_cameras import CaptureCameras
 from omma.scene.world import World
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ Floats = NDArray[np.float32]
 
 # As omma/truth.h has it.
 _MOST_SHARES = 1 << 14
+# Of the progress, where the nearest cameras are found after rendering.
+_RENDERED = 0.9
 
 
 @value_class
@@ -73,6 +76,11 @@ class GroundTruth:
     """(P, N, C), of the responses, where asked for and with `ToError`."""
     rays: NDArray[np.int32] | None = None
     """(P, N), rays spent, with `ToError`."""
+    camera_distance_m: NDArray[np.float64] | None = None
+    """(P,), of a captured world: from the head to the nearest camera that it is known from."""
+    camera_angle_deg: Floats | None = None
+    """(P, N), between the directions in which an ommatidium and the nearest camera, by that angle,
+    see the same point (`CaptureCameras.nearness`); NaN where no camera had it in its field."""
 
     @property
     def flow_rad_s(self) -> Floats | None:
@@ -96,6 +104,7 @@ def ground_truth(
     shares: Sequence[str | int] = (),
     head_velocity: tuple[ArrayLike, ArrayLike] | None = None,
     velocities: Mapping[str | int, tuple[ArrayLike, ArrayLike]] | None = None,
+    capture_cameras: CaptureCameras | None = None,
     standard_error: bool = False,
     first_pose: int | None = None,
     progress: Progress | None = None,
@@ -120,6 +129,8 @@ def ground_truth(
             angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
             With ``times_s``, what ``instances`` and animations move has the velocity at which
             it does so, unless it is told here.
+        capture_cameras: from which a world made of photographs is known, as
+            `omma.scene.load_capture_cameras` reads them: how near they were is told too.
         instances, transforms, times_s, animation, unseen, unseen_by_light: as of `render`.
 
     Raises:
@@ -135,7 +146,8 @@ def ground_truth(
         )
     if self.settings.impulse_response is not None:
         raise Error("ground_truth: expected a renderer without an impulse response, found one with")
-    call = Call.of(self, poses, moves, first_pose, progress)
+    rendered = progress if capture_cameras is None else share_of(progress, 0, _RENDERED)
+    call = Call.of(self, poses, moves, first_pose, rendered)
     to_error = isinstance(sampling, ToError)
     frames = call.new_frames(standard_error=standard_error or to_error, rays=to_error)
     found: dict[str, Any] = {
@@ -161,6 +173,13 @@ def ground_truth(
             asked["head"] = _velocity(head_velocity, "head_velocity", len(call.poses))
         asked |= _objects(self.world, velocities or {}, call.moves, len(call.poses))
     call.render_truth(found | asked)
+    if capture_cameras is not None:
+        found["camera_distance_m"], found["camera_angle_deg"] = capture_cameras.nearness(
+            self.eye,
+            call.poses,
+            distance_m=found["distance_m"],
+            progress=share_of(progress, _RENDERED, 1),
+        )
     return GroundTruth(**found, names=names)
 
 
@@ -196,6 +215,15 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
         found["instance"] = (("instance",), np.array(truth.names, dtype=np.str_), {})
         about = {"units": "1", "long_name": "share of the field that an instance fills"}
         found["share"] = ((*dimensions, "instance"), truth.shares, about)
+    if truth.camera_distance_m is not None:
+        about = {"units": "m", "long_name": "from the head to the nearest camera of the capture"}
+        found["camera_distance"] = (dimensions[:1], truth.camera_distance_m, about)
+    if truth.camera_angle_deg is not None:
+        about = {
+            "units": "degree",
+            "long_name": "least angle to a camera of the capture at what is seen",
+        }
+        found["camera_angle"] = (dimensions, truth.camera_angle_deg, about)
     for name, values, which in (
         ("flow", truth.flow_rad_s, "in all"),
         ("flow_rotation", truth.flow_rotation_rad_s, "from the head's rotation"),

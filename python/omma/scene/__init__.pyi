@@ -1,4 +1,5 @@
 from .baking import Bake, BakedInfo
+from .capture_cameras import CaptureCameras, load_capture_cameras
 from .device_list import Device, devices
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
@@ -35,6 +36,7 @@ __all__ = [
     "Bake",
     "BakedInfo",
     "Camera",
+    "CaptureCameras",
     "Device",
     "ExtraReflectance",
     "HitBox",
@@ -59,6 +61,7 @@ __all__ = [
     "disc",
     "drum",
     "from_trimesh",
+    "load_capture_cameras",
     "load_points",
     "load_scene",
     "merge_scenes",
