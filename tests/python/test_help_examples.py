@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from capture_files import write_colmap_text
 from conftest import make_eye, write_gltf
 from oces_builder import OcesFile
 from test_eye_files_import import grid, oda_file
@@ -86,6 +87,8 @@ def named_files(tmp_path_factory):
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
     (folder / "forest.xyz").write_text("0 0 0\n0 0 1\n1 0 0\n")
+    around = [omma.look_at((x, 1, 3), (0, 0, 0)) for x in (-1, 0, 1)]
+    write_colmap_text(folder / "garden" / "sparse" / "0", around)
     (folder / "moved").mkdir()
     for name in ("arena.gltf", "bee.eye"):
         shutil.copy(folder / name, folder / "moved")
@@ -135,7 +138,7 @@ def test_example_runs(example, named_files, run_omma, monkeypatch):
     if ".zarr" in example or "flight.npy" in example or "render-again" in example:
         pytest.importorskip("xarray")
         pytest.importorskip("zarr")
-    if "eye plot" in example or "eye info" in example:
+    if "eye plot" in example or "eye info" in example or "hull.png" in example:
         pytest.importorskip("matplotlib")
     code, _, err = run_omma(*shlex.split(example)[1:])
     assert code == 0, err

@@ -29,7 +29,7 @@ from omma.scene.capture_lenses import (
 # Where a reconstruction may lie in a folder.
 _FOLDERS = ("", "sparse/0", "sparse", "colmap/sparse/0")
 # By number in binary files: name, how many parameters, of these how many are focal lengths, and how
-# rays fall (COLMAP's sensor/models.h).
+# rays fall (COLMAP's page Camera Models).
 _MODELS = (
     ("SIMPLE_PINHOLE", 3, 1, "pinhole"),
     ("PINHOLE", 4, 2, "pinhole"),
