@@ -7,7 +7,7 @@
 
 #include "model/long_work.h"
 #include "omma/scene.h"
-#include "physics/views/splats_view.h"
+#include "physics/search/splats_view.h"
 
 namespace omma {
 

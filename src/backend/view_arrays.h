@@ -23,7 +23,7 @@
 #include "physics/views/gather_task.h"
 #include "physics/views/light_view.h"
 #include "physics/views/scene_view.h"
-#include "physics/views/splats_view.h"
+#include "physics/search/splats_view.h"
 
 namespace omma {
 

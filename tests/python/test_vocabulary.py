@@ -88,7 +88,7 @@ def test_block_says_what_a_search_has():
         for name in re.findall(r"\bsearch\.(\w+)\(", without_comments(path.read_text()))
     }
     said = set(re.findall(r"^//   (\w+)\(", (ROOT / "src/physics/block/block.h").read_text(), re.M))
-    assert called == said == {"closest", "occluded", "placed"}
+    assert called == said == {"closest", "occluded", "placed", "visits_of_trees"}
 
 
 def includes(folder):

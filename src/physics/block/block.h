@@ -1,6 +1,6 @@
 // One block of neighbouring ommatidia at one pose, from directions to responses:
 // trace_replicates.h, the hot loop, then means and standard errors. A backend runs it with a search
-// of its own, which has three members (surface/scene_search.h is the one of our own hierarchy):
+// of its own, which has four members (surface/scene_search.h is the one of our own hierarchy):
 //
 //   closest(lanes, rays, passed, spread)
 //     the closest accepted hits (surface.h) of a RayPacket, between t_near_m and t_far_m, of the
@@ -10,6 +10,8 @@
 //     those of the lanes whose ray meets any accepted surface there; shadow rays ask no more
 //   placed()
 //     the table of placed meshes that hits point into
+//   visits_of_trees()
+//     where one lane keeps what is still to be visited of a tree, as that of splats
 //
 // Nothing is allocated, nothing is called out of line that other instruction sets share.
 #pragma once

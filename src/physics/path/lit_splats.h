@@ -3,7 +3,7 @@
 #pragma once
 
 #include "physics/path/path_light.h"
-#include "physics/path/splats.h"
+#include "physics/path/splat_light.h"
 
 namespace omma {
 
@@ -17,7 +17,7 @@ OMMA_HD_CALLED void pass_splats(const Flight<L, Search>& flight, LaneMask<L> on,
   float(&seen_m)[L::count] = flight.state.seen_m;
   SplatLight<L> light;
   SplatDepths<L> depths;
-  eval_splats<L>(*scene.splats, flight.search.visits_of_trees(), on, flight.packet.rays, seen_m,
+  eval_splats<L>({*scene.splats, flight.search.visits_of_trees()}, on, flight.packet.rays, seen_m,
                  light, first == nullptr ? nullptr : &depths);
   if (first != nullptr) meet_splats(scene, depths, *first);
   alignas(L::count * 4) float weight[L::count];

@@ -6,11 +6,11 @@
 //
 // the `over` operator (Porter and Duff 1984). A backend gives one thing, the closest accepted hits
 // of a packet; everything else along rays is here. Gaussian splats between surfaces are seen on the
-// way (splats.h).
+// way (splat_light.h).
 #pragma once
 
 #include "physics/lanes/lane_mask.h"
-#include "physics/path/splats.h"
+#include "physics/path/splat_light.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/passed.h"
 #include "physics/rays/search_rays.h"

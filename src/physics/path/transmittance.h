@@ -4,7 +4,7 @@
 
 #include "physics/lanes/lane_mask.h"
 #include "physics/path/path_state.h"
-#include "physics/path/splats.h"
+#include "physics/path/splat_light.h"
 #include "physics/rays/hits.h"
 #include "physics/rays/passed.h"
 #include "physics/rays/search_rays.h"
@@ -61,7 +61,7 @@ OMMA_HD_CALLED void dim_by_splats(const SceneView& scene, Search& search, LaneMa
     begin_m[l] = 0;
   }
   SplatLight<L> light;
-  eval_splats<L>(*scene.splats, search.visits_of_trees(), lanes, shadow.rays, begin_m, light,
+  eval_splats<L>({*scene.splats, search.visits_of_trees()}, lanes, shadow.rays, begin_m, light,
                  nullptr);
   for (int b = 0; b < scene.bands; ++b)
     for (int l = 0; l < L::count; l += L::width) {

@@ -12,7 +12,7 @@
 #include "physics/lanes/powers.h"
 #include "physics/lanes/vector3.h"
 #include "physics/search/traverse.h"
-#include "physics/views/splats_view.h"
+#include "physics/search/splats_view.h"
 
 namespace omma {
 
@@ -29,36 +29,38 @@ OMMA_HD bool is_behind(const SplatPlace& a, const SplatPlace& b) {
   return a.t_m > b.t_m || (a.t_m == b.t_m && a.index > b.index);
 }
 
-// The next splats of each lane in order.
+// The splats of a scene, and where a search keeps what is still to be visited of their tree.
+template <typename L>
+struct SplatTree {
+  const SplatsView& view;
+  Visits<L::count> visits;
+};
+
+// Where the rays of a packet have come, and the next splats of each lane in order, [lane].
 template <typename L>
 struct SplatBuffer {
   static constexpr int capacity = L::count > 1 ? 32 : 16;  // a thread of a card has a small stack
-  int count[L::count];
-  float through[L::count];  // Π (1 − α) over them, and what is before them
-  SplatPlace place[L::count][capacity];
-  float alpha[L::count][capacity];
-};
-
-// Where the rays of a packet have come, and how far they look, [lane].
-template <typename L>
-struct SplatReach {
   alignas(L::count * 4) float near_m[L::count];
   std::int32_t last[L::count];  // index of the splat at near_m that was found last, or behind_all
-  alignas(L::count * 4) float far_m[L::count];
-  float through[L::count];  // how much light gets through up to near_m
+  float through_near[L::count];  // how much light gets through up to there
+  alignas(L::count * 4) float far_m[L::count];  // how far rays look
+  int count[L::count];
+  float through[L::count];  // through_near · Π (1 − α) over the splats here
+  SplatPlace place[L::count][capacity];
+  float alpha[L::count][capacity];
 };
 
 // Leaves out what is behind where next to no light gets through any more, whatever else is found
 // before. By half of the threshold, so that rounding never decides.
 template <typename L>
-OMMA_HD void cut_unseen(SplatBuffer<L>& buffer, int l, SplatReach<L>& reach) {
-  float through = reach.through[l];
+OMMA_HD void cut_unseen(SplatBuffer<L>& buffer, int l) {
+  float through = buffer.through_near[l];
   for (int k = 0; k < buffer.count[l]; ++k) {
     through *= 1.0f - buffer.alpha[l][k];
     if (through >= 0.5f * least_splat_transmittance) continue;
     buffer.count[l] = k + 1;
     buffer.through[l] = through;
-    reach.far_m[l] = buffer.place[l][k].t_m;
+    buffer.far_m[l] = buffer.place[l][k].t_m;
     return;
   }
   buffer.through[l] = through;
@@ -66,8 +68,7 @@ OMMA_HD void cut_unseen(SplatBuffer<L>& buffer, int l, SplatReach<L>& reach) {
 
 // Puts a splat where it belongs; the last one makes room for it.
 template <typename L>
-OMMA_HD void insert_splat(SplatBuffer<L>& buffer, int l, const SplatPlace& place, float alpha,
-                          SplatReach<L>& reach) {
+OMMA_HD void insert_splat(SplatBuffer<L>& buffer, int l, const SplatPlace& place, float alpha) {
   constexpr int last = SplatBuffer<L>::capacity - 1;
   const bool full = buffer.count[l] > last;
   if (full && is_behind(place, buffer.place[l][last])) return;
@@ -78,11 +79,11 @@ OMMA_HD void insert_splat(SplatBuffer<L>& buffer, int l, const SplatPlace& place
   }
   buffer.place[l][k] = place;
   buffer.alpha[l][k] = alpha;
-  if (buffer.count[l] > last) reach.far_m[l] = buffer.place[l][last].t_m;
+  if (buffer.count[l] > last) buffer.far_m[l] = buffer.place[l][last].t_m;
   // As long as nothing has been dropped that is what gets through, else less: then it is found
   // anew.
   buffer.through[l] *= 1.0f - alpha;
-  if (buffer.through[l] < 0.5f * least_splat_transmittance) cut_unseen(buffer, l, reach);
+  if (buffer.through[l] < 0.5f * least_splat_transmittance) cut_unseen(buffer, l);
 }
 
 // By a splat's whitening.
@@ -103,7 +104,7 @@ struct SplatRays {
 // Puts what the lanes meet of one splat into the buffer.
 template <typename L>
 OMMA_HD void meet_splat(const TracedSplat& splat, std::int32_t index, const SplatRays<L>& rays,
-                        unsigned lanes, SplatReach<L>& reach, SplatBuffer<L>& buffer) {
+                        unsigned lanes, SplatBuffer<L>& buffer) {
   using F = typename L::F;
   const Vector3<float> center = vector_of(splat.center);
   const int any = lowest_bit(lanes);
@@ -121,8 +122,8 @@ OMMA_HD void meet_splat(const TracedSplat& splat, std::int32_t index, const Spla
     const Vector3<F> closest = o + d * t;
     const F square = dot(closest, closest);
     const unsigned met = lanes >> l & lane_bits(square <= splat.most_square) &
-                         lane_bits(t >= load<F>(reach.near_m + l)) &
-                         lane_bits(t <= load<F>(reach.far_m + l));
+                         lane_bits(t >= load<F>(buffer.near_m + l)) &
+                         lane_bits(t <= load<F>(buffer.far_m + l));
     if (met == 0) continue;
     const F response = exp2_lanes(square * -0.721347520f) * splat.opacity;
     const F alpha = response < most_splat_alpha ? response : broadcast<F>(most_splat_alpha);
@@ -132,36 +133,36 @@ OMMA_HD void meet_splat(const TracedSplat& splat, std::int32_t index, const Spla
     for (unsigned left = met; left != 0; left &= left - 1) {
       const int i = lowest_bit(left), lane = l + i;
       const SplatPlace place{t_of[i], index};
-      if (is_behind(place, {reach.near_m[lane], reach.last[lane]}))
-        insert_splat(buffer, lane, place, alpha_of[i], reach);
+      if (is_behind(place, {buffer.near_m[lane], buffer.last[lane]}))
+        insert_splat(buffer, lane, place, alpha_of[i]);
     }
   }
 }
 
-// Fills the buffer of those lanes with what comes next. `reach.far_m` comes nearer where it is full
-// and where no light gets through; `rays` are in the frame of splats.
+// Fills the buffer of those lanes with what comes next. Its far_m comes nearer where it is full and
+// where no light gets through; `rays` are in the frame of splats.
 template <typename L>
-OMMA_HD_CALLED void find_splats(const SplatsView& view, const Visits<L::count>& visits,
-                                LaneMask<L> on, const RayFrame<L>& rays, SplatReach<L>& reach,
+OMMA_HD_CALLED void find_splats(const SplatTree<L>& tree, LaneMask<L> on, const RayFrame<L>& rays,
                                 SplatBuffer<L>& buffer) {
+  const SplatsView& view = tree.view;
   on.for_each([&](int l) {
     buffer.count[l] = 0;
-    buffer.through[l] = reach.through[l];
+    buffer.through[l] = buffer.through_near[l];
   });
   for (unsigned left = on.bits; left != 0;) {
     RayBundle<L> bundle;
-    make_bundle<L>(rays, reach.near_m, left, bundle);
+    make_bundle<L>(rays, buffer.near_m, left, bundle);
     left &= ~bundle.lanes;
-    search_tree<L, most_tree_depth>({view.nodes, 0, visits.tree}, bundle, bundle.lanes, reach.far_m,
-                                    [&](std::uint32_t block, std::uint32_t splats, unsigned asked) {
-                                      for (std::uint32_t k = 0; k < splats; ++k) {
-                                        const std::uint32_t index = block * splats_per_block + k;
-                                        meet_splat<L>(
-                                            view.splats[index], static_cast<std::int32_t>(index),
-                                            {rays, bundle.one_origin}, asked, reach, buffer);
-                                      }
-                                      return asked;
-                                    });
+    const auto meet_leaf = [&](std::uint32_t block, std::uint32_t splats, unsigned asked) {
+      for (std::uint32_t k = 0; k < splats; ++k) {
+        const std::uint32_t index = block * splats_per_block + k;
+        meet_splat<L>(view.splats[index], static_cast<std::int32_t>(index),
+                      {rays, bundle.one_origin}, asked, buffer);
+      }
+      return asked;
+    };
+    search_tree<L, most_tree_depth>({view.nodes, 0, tree.visits.tree}, bundle, bundle.lanes,
+                                    buffer.far_m, meet_leaf);
   }
 }
 

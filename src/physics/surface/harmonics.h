@@ -3,7 +3,7 @@
 #pragma once
 
 #include "omma/vec.h"
-#include "physics/views/splats_view.h"
+#include "physics/search/splats_view.h"
 
 namespace omma {
 

@@ -87,9 +87,8 @@ OMMA_HD Vec3 color_for(const SplatsView& view, std::int32_t index, const RayFram
 // Adds the splats of a lane's buffer to its light, as long as light gets through, and notes where
 // they have come. Returns whether more may follow.
 template <typename L, typename Color>
-OMMA_HD bool add_splats(const SplatsView& view, const SplatBuffer<L>& buffer, int l,
-                        const Color& color, SplatLight<L>& light, SplatReach<L>& reach,
-                        SplatDepths<L>* depths) {
+OMMA_HD bool add_splats(const SplatsView& view, SplatBuffer<L>& buffer, int l, const Color& color,
+                        SplatLight<L>& light, SplatDepths<L>* depths) {
   float through = light.transmittance[l];
   Vec3 sum = vec_at(light.rgb, l);
   for (int k = 0; k < buffer.count[l] && through >= least_splat_transmittance; ++k) {
@@ -97,8 +96,8 @@ OMMA_HD bool add_splats(const SplatsView& view, const SplatBuffer<L>& buffer, in
     const SplatPlace& place = buffer.place[l][k];
     sum = sum + color(place.index) * weight;
     through *= 1.0f - alpha;
-    reach.near_m[l] = place.t_m;
-    reach.last[l] = place.index;
+    buffer.near_m[l] = place.t_m;
+    buffer.last[l] = place.index;
     if (depths == nullptr) continue;
     depths->weighted_m[l] += weight * place.t_m;
     if (through > 0.5f || depths->half_m[l] <= place.t_m) continue;
@@ -108,7 +107,7 @@ OMMA_HD bool add_splats(const SplatsView& view, const SplatBuffer<L>& buffer, in
   light.rgb[0][l] = sum.x;
   light.rgb[1][l] = sum.y;
   light.rgb[2][l] = sum.z;
-  light.transmittance[l] = reach.through[l] = through;
+  light.transmittance[l] = buffer.through_near[l] = through;
   return through >= least_splat_transmittance && buffer.count[l] == SplatBuffer<L>::capacity;
 }
 
@@ -131,19 +130,19 @@ OMMA_HD void decode_splats(const SplatsView& view, SplatLight<L>& light) {
 // Light of splats along the rays of some lanes, behind begin_m and up to their t_far_m. `depths`
 // may be null.
 template <typename L>
-OMMA_HD_CALLED void eval_splats(const SplatsView& view, const Visits<L::count>& visits,
-                                LaneMask<L> on, const RayPacket<L::count>& rays,
+OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
+                                const RayPacket<L::count>& rays,
                                 const float (&begin_m)[L::count], SplatLight<L>& light,
                                 SplatDepths<L>* depths) {
-  SplatReach<L> reach;
+  const SplatsView& view = tree.view;
   SplatBuffer<L> buffer;
   SplatColors<L> colors;
   alignas(L::count * 4) float origin[3][L::count];  // in the frame of splats
   const RayFrame<L> frame{origin, rays.direction};
   for (int l = 0; l < L::count; ++l) {
-    reach.near_m[l] = begin_m[l];
-    reach.last[l] = behind_all;
-    reach.through[l] = light.transmittance[l] = 1;
+    buffer.near_m[l] = begin_m[l];
+    buffer.last[l] = behind_all;
+    buffer.through_near[l] = light.transmittance[l] = 1;
     for (int a = 0; a < 3; ++a) {
       light.rgb[a][l] = 0;
       origin[a][l] = rays.origin[a][l] - view.first_origin_m[a];
@@ -161,13 +160,13 @@ OMMA_HD_CALLED void eval_splats(const SplatsView& view, const Visits<L::count>& 
 
   // Front to back, as many at once as the buffer holds.
   for (LaneMask<L> left = on; left.any();) {
-    for (int l = 0; l < L::count; ++l) reach.far_m[l] = rays.t_far_m[l];
-    find_splats<L>(view, visits, left, frame, reach, buffer);
+    for (int l = 0; l < L::count; ++l) buffer.far_m[l] = rays.t_far_m[l];
+    find_splats<L>(tree, left, frame, buffer);
     left.for_each([&](int l) {
       const auto color = [&](std::int32_t index) {
         return color_for<L>(view, index, frame, l, colors);
       };
-      if (!add_splats(view, buffer, l, color, light, reach, depths)) left.bits &= ~(1u << l);
+      if (!add_splats(view, buffer, l, color, light, depths)) left.bits &= ~(1u << l);
     });
   }
   if (depths != nullptr)
@@ -204,7 +203,7 @@ OMMA_HD_CALLED void cover_with_splats(const Flight& flight, LaneMask<L> on,
   const RayPacket<L::count>& rays = flight.packet.rays;
   SplatLight<L> light;
   SplatDepths<L> depths;
-  eval_splats<L>(*flight.scene.splats, flight.search.visits_of_trees(), on, rays, seen_m, light,
+  eval_splats<L>({*flight.scene.splats, flight.search.visits_of_trees()}, on, rays, seen_m, light,
                  first == nullptr ? nullptr : &depths);
   if (first != nullptr) meet_splats(flight.scene, depths, *first);
   for (int l = 0; l < L::count; l += L::width) {
