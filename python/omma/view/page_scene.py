@@ -12,6 +12,7 @@ from omma.picture.band_colours import bands_to_rgb
 from omma.view.overlay import PICKED, head_shapes
 from omma.view.poses import HeadPose, quaternion_wxyz
 from omma.view.scene_mesh import drawn_scene, sky_dome, without_scale
+from omma.view.splat_scene import drawn_splats
 from omma.view.state import Look, Looker
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ class PageScene:
         self.note = drawn.note
         if drawn.still is not None:
             scene.add_glb("/scene/still", drawn.still)
+        self._add_splats()
         self._moving = {}
         instances = world.instances if drawn.moving else []
         for k, glb in drawn.moving:
@@ -59,6 +61,18 @@ class PageScene:
         camera.look_at = (matrix @ [0, 0, -4 * self.head_m, 1])[:3]
         camera.up = (0.0, 1.0, 0.0)
         camera.near, camera.far = 0.02 * self.head_m, 2.5 * _SKY_IN_SCENES * size_m
+
+    def _add_splats(self) -> None:
+        clouds, note = drawn_splats(self.looker.world.scene)
+        self.note = "; ".join(one for one in (self.note, note) if one)
+        for k, cloud in enumerate(clouds):
+            self.server.scene.add_gaussian_splats(
+                f"/scene/splats/{k}",
+                cloud.centers,
+                cloud.covariances,
+                cloud.rgbs,
+                cloud.opacities,
+            )
 
     def _add_lamps(self) -> None:
         """Sun and sky as lamps of the page: what lies in the open has the colours that the camera's

@@ -41,7 +41,7 @@ class DrawnScene:
 
 def drawn_scene(world: World) -> DrawnScene:
     """What the page draws of a world, as it stands now."""
-    scene = world.scene
+    scene = world.scene.replace(splats=())  # splat_scene.py has them
     placed = scene.instances  # a new list each time it is asked for
     if world.light is None:
         # Surfaces then show base colour and emission as they are, which glTF calls unlit.
