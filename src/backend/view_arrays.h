@@ -18,12 +18,12 @@
 #include "physics/light/sun_map.h"
 #include "physics/rays/head_motion.h"
 #include "physics/search/bvh.h"
+#include "physics/search/splats_view.h"
 #include "physics/surface/specular_albedo.h"
 #include "physics/views/frame_view.h"
 #include "physics/views/gather_task.h"
 #include "physics/views/light_view.h"
 #include "physics/views/scene_view.h"
-#include "physics/search/splats_view.h"
 
 namespace omma {
 

@@ -131,9 +131,8 @@ OMMA_HD void decode_splats(const SplatsView& view, SplatLight<L>& light) {
 // may be null.
 template <typename L>
 OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
-                                const RayPacket<L::count>& rays,
-                                const float (&begin_m)[L::count], SplatLight<L>& light,
-                                SplatDepths<L>* depths) {
+                                const RayPacket<L::count>& rays, const float (&begin_m)[L::count],
+                                SplatLight<L>& light, SplatDepths<L>* depths) {
   const SplatsView& view = tree.view;
   SplatBuffer<L> buffer;
   SplatColors<L> colors;

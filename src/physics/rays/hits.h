@@ -9,8 +9,8 @@
 
 namespace omma {
 
-// In place of a mesh: nothing was met; as ground truth has it, splats were (path/splat_light.h), whose
-// cloud stands as an instance behind those of the scene.
+// In place of a mesh: nothing was met; as ground truth has it, splats were (path/splat_light.h),
+// whose cloud stands as an instance behind those of the scene.
 inline constexpr std::int32_t no_mesh = -1, mesh_of_splats = -2;
 
 // What each ray met, [lane].

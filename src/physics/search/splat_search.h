@@ -11,8 +11,8 @@
 #include "physics/lanes/lane_mask.h"
 #include "physics/lanes/powers.h"
 #include "physics/lanes/vector3.h"
-#include "physics/search/traverse.h"
 #include "physics/search/splats_view.h"
+#include "physics/search/traverse.h"
 
 namespace omma {
 
@@ -42,7 +42,7 @@ struct SplatBuffer {
   static constexpr int capacity = L::count > 1 ? 32 : 16;  // a thread of a card has a small stack
   alignas(L::count * 4) float near_m[L::count];
   std::int32_t last[L::count];  // index of the splat at near_m that was found last, or behind_all
-  float through_near[L::count];  // how much light gets through up to there
+  float through_near[L::count];                 // how much light gets through up to there
   alignas(L::count * 4) float far_m[L::count];  // how far rays look
   int count[L::count];
   float through[L::count];  // through_near · Π (1 − α) over the splats here
