@@ -137,6 +137,7 @@ def public_calls(folder):
     (folder / "transforms.json").write_text(json.dumps({"frames": [frame]}))
     (folder / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     splat = [(0, 0, -1)], [(0.1, 0.2, 0.3)], [(0, 0, 0, 1)], [0.5], np.zeros((1, 4, 3))
+    omma.scene.save_splats(folder / "splat.ply", omma.scene.SplatCloud(*splat))
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     mesh = omma.scene.Mesh(corners, [[0, 1, 2]])
     swinging = swinging_box(folder / "swing.gltf")
@@ -194,6 +195,12 @@ def public_calls(folder):
             "scene": omma.Scene(splats=[omma.scene.SplatCloud(*splat)]),
             "gray_card": (0.5, 0.5, 0.5), "exposure": 12.0,
         },
+        "cull_splats": {
+            "splats": omma.scene.SplatCloud(*splat), "least_opacity": 0.1, "scan": scan,
+            "distance_m": 9.0, "beyond_m": 9.0, "above_m": 9.0,
+        },
+        "load_splats": (folder / "splat.ply",),
+        "save_splats": (str(folder / "saved.ply"), omma.scene.SplatCloud(*splat)),
         "Texture": (0,),
         "TextureUse": (0,),
         "scene.sphere": {"segments": 8},

@@ -1,15 +1,12 @@
 """The slow renderer of splats against closed forms, and its harmonics against SciPy's."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 import slow_splats
 from scipy import special
 from scipy.spatial.transform import Rotation
 
-from omma.scene import splat_harmonics
-from omma.scene.splat_arrays import SplatArrays
+from omma.scene import SplatCloud, splat_harmonics
 
 RNG = np.random.default_rng(5)
 
@@ -23,7 +20,7 @@ def splats_of(positions, scales=0.1, opacities=0.5, colours=(1.0, 0.5, 0.25), ro
     count = len(positions)
     rgb = np.broadcast_to(np.asarray(colours, float), (count, 3))
     quaternions = np.tile([0, 0, 0, 1.0], (count, 1)) if rotations is None else rotations
-    return SplatArrays(
+    return SplatCloud(
         positions,
         np.broadcast_to(scales, (count, 3)).astype(np.float32),
         np.asarray(quaternions, np.float32),
@@ -113,8 +110,7 @@ def test_turned_and_stretched_gaussians():
 
 @pytest.mark.parametrize("direction", ["center", "ray"])
 def test_harmonics_along_the_direction_that_is_asked_for(direction):
-    splats = dataclasses.replace(
-        splats_of([0.05, 0, -2]),
+    splats = splats_of([0.05, 0, -2]).replace(
         harmonics=RNG.normal(size=(1, 16, 3)).astype(np.float32) * 0.1,
         direction=direction,
     )
@@ -127,19 +123,16 @@ def test_harmonics_along_the_direction_that_is_asked_for(direction):
 def test_placed_clouds_look_as_their_numbers_do_in_the_world():
     count = 40
     quaternions = unit(RNG.normal(size=(count, 4)))
-    splats = dataclasses.replace(
-        splats_of(
-            RNG.normal(size=(count, 3)),
-            RNG.uniform(0.1, 0.5, (count, 3)),
-            RNG.uniform(0.1, 0.9, count),
-            rotations=quaternions,
-        ),
-        harmonics=RNG.normal(size=(count, 16, 3)).astype(np.float32) * 0.1,
-    )
+    splats = splats_of(
+        RNG.normal(size=(count, 3)),
+        RNG.uniform(0.1, 0.5, (count, 3)),
+        RNG.uniform(0.1, 0.9, count),
+        rotations=quaternions,
+    ).replace(harmonics=RNG.normal(size=(count, 16, 3)).astype(np.float32) * 0.1)
     matrix = np.eye(4)
     matrix[:3, :3] = 2.5 * Rotation.from_rotvec([0.3, -1, 0.4]).as_matrix()
     matrix[:3, 3] = [1, -2, 0.5]
-    placed = dataclasses.replace(splats, world_from_splats=matrix)
+    placed = splats.replace(world_from_splats=matrix)
     moved = splat_harmonics.moved_splats(placed, matrix)
     assert moved.world_from_splats == pytest.approx(np.eye(4), abs=1e-12)
     origins, directions = RNG.normal(size=(30, 3)) * 4, unit(RNG.normal(size=(30, 3)))

@@ -1,6 +1,5 @@
 """Files of Gaussian splats: what they hold is read and written, and what is wrong is said."""
 
-import dataclasses
 import gzip
 import struct
 import tracemalloc
@@ -14,14 +13,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import omma
-from omma.scene import splat_files, splat_harmonics
+from omma.job.info import describe_file, is_scene_file
+from omma.scene import SplatCloud, cull_splats, load_splats, save_splats, splat_harmonics
 from omma.scene.point_files import is_point_file
-from omma.scene.splat_culling import cull_splats
-from omma.scene.splat_files import is_splat_file, read_splats, write_splats
+from omma.scene.splat_files import is_splat_file, read_splats
 
 TERMS = (1, 4, 9, 16)
 RDF_TO_RUB = np.diag([1.0, -1.0, -1.0, 1.0])
-ARRAYS = ("positions", "scales", "rotations", "opacities", "harmonics")
+ARRAYS = ("positions_m", "scales_m", "rotations", "opacities", "harmonics")
 
 
 def expected(columns):
@@ -37,8 +36,8 @@ def expected(columns):
             harmonics[:, 1 + k, channel] = rest[channel * (terms - 1) + k]
     quaternions = np.stack([double[f"rot_{k}"] for k in (1, 2, 3, 0)], axis=1)
     return {
-        "positions": np.stack([double[axis] for axis in "xyz"], axis=1),
-        "scales": np.exp(np.stack([double[f"scale_{k}"] for k in range(3)], axis=1)),
+        "positions_m": np.stack([double[axis] for axis in "xyz"], axis=1),
+        "scales_m": np.exp(np.stack([double[f"scale_{k}"] for k in range(3)], axis=1)),
         "rotations": quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True),
         "opacities": 1 / (1 + np.exp(-double["opacity"])),
         "harmonics": harmonics,
@@ -76,10 +75,9 @@ def test_ply_of_every_kind(tmp_path, kind, terms, monkeypatch):
     columns = splat_bytes.raw_splats(200, terms)
     path = ply_of(tmp_path, columns, kind=kind)
     shares = []
-    splats = read_splats(path, shares.append)
+    splats = load_splats(path, progress=shares.append)
     check(splats, expected(columns))
     assert (splats.color_space, splats.direction, splats.name) == ("srgb", "center", "place")
-    assert splats.left_out == {}
     assert splats.world_from_splats == pytest.approx(RDF_TO_RUB)
     assert shares == sorted(shares)
     assert shares[-1] == 1
@@ -96,7 +94,7 @@ def test_columns_in_any_order_and_of_double_precision(tmp_path):
     mixed["segment"] = ("uchar", np.arange(50) % 7)
     faces = {"a": ("int", np.arange(3))}
     data = splat_bytes.ply({"before": faces, "vertex": mixed, "after": faces})
-    check(read_splats(saved(tmp_path, "a.ply", data)), expected(columns))
+    check(load_splats(saved(tmp_path, "a.ply", data)), expected(columns))
 
 
 def test_positions_of_a_survey_keep_their_millimetres(tmp_path):
@@ -105,23 +103,23 @@ def test_positions_of_a_survey_keep_their_millimetres(tmp_path):
     shift = np.array([4e5, 100.0, -5.8e6])
     for k, axis in enumerate("xyz"):
         wide[axis] = ("double", columns[axis].astype(float) + shift[k])
-    splats = read_splats(saved(tmp_path, "a.ply", splat_bytes.ply({"vertex": wide})), up="y")
+    splats = load_splats(saved(tmp_path, "a.ply", splat_bytes.ply({"vertex": wide})), up="y")
     matrix = splats.world_from_splats
-    found = splats.positions.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
+    found = splats.positions_m.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
     wanted = np.stack([wide[axis][1] for axis in "xyz"], axis=1)
     assert np.abs(found - wanted).max() < 1e-6
 
 
 def test_units_and_axes(tmp_path):
     path = ply_of(tmp_path, splat_bytes.raw_splats(5, 1))
-    down, up, z = (read_splats(path, up=one).world_from_splats for one in ("-y", "y", "z"))
+    down, up, z = (load_splats(path, up=one).world_from_splats for one in ("-y", "y", "z"))
     assert down @ [0, -1, 0, 0] == pytest.approx([0, 1, 0, 0])
     assert up == pytest.approx(np.eye(4))
     assert z @ [0, 0, 1, 0] == pytest.approx([0, 1, 0, 0])
-    assert read_splats(path, unit="mm", up="y").world_from_splats[0, 0] == pytest.approx(1e-3)
+    assert load_splats(path, unit="mm", up="y").world_from_splats[0, 0] == pytest.approx(1e-3)
     for wrong in ({"up": "x"}, {"unit": 0.0}):
         with pytest.raises(omma.Error, match=next(iter(wrong))):
-            read_splats(path, **wrong)
+            load_splats(path, **wrong)
 
 
 @pytest.mark.parametrize("has_colours", [True, False])
@@ -132,15 +130,15 @@ def test_packed_ply(tmp_path, terms, has_colours, monkeypatch):
     elements = splat_bytes.packed_ply(columns, has_colours)
     path = saved(tmp_path, "a.compressed.ply", splat_bytes.ply(elements))
     shares = []
-    splats = read_splats(path, shares.append)
+    splats = load_splats(path, progress=shares.append)
     assert shares[-1] == 1
     wanted = expected(columns)
     # Half a step of 10 bits over what the columns span, of log scales as a factor, of 8 bits.
     check(
-        dataclasses.replace(splats, scales=np.log(splats.scales)),
-        {**wanted, "scales": np.log(wanted["scales"])},
-        positions=8 / 1023 / 2,
-        scales=8 / 1023 / 2,
+        splats.replace(scales=np.log(splats.scales_m)),
+        {**wanted, "scales_m": np.log(wanted["scales_m"])},
+        positions_m=8 / 1023 / 2,
+        scales_m=8 / 1023 / 2,
         rotations=2e-3,
         opacities=1 / 255,
         harmonics=8 / 256 / 2 * 1.001,
@@ -152,11 +150,11 @@ def test_packed_ply(tmp_path, terms, has_colours, monkeypatch):
 def test_mip_splatting_is_smoothed_as_its_own_program_does(tmp_path):
     columns = splat_bytes.raw_splats(60, 4)
     columns["filter_3D"] = np.random.default_rng(3).uniform(0, 0.1, 60).astype(np.float32)
-    splats = read_splats(ply_of(tmp_path, columns))
+    splats = load_splats(ply_of(tmp_path, columns))
     plain = expected(columns)
-    wide = np.sqrt(plain["scales"] ** 2 + columns["filter_3D"].astype(float)[:, None] ** 2)
-    dimmed = plain["opacities"] * np.prod(plain["scales"], axis=1) / np.prod(wide, axis=1)
-    check(splats, {**plain, "scales": wide, "opacities": dimmed})
+    wide = np.sqrt(plain["scales_m"] ** 2 + columns["filter_3D"].astype(float)[:, None] ** 2)
+    dimmed = plain["opacities"] * np.prod(plain["scales_m"], axis=1) / np.prod(wide, axis=1)
+    check(splats, {**plain, "scales_m": wide, "opacities": dimmed})
 
 
 @pytest.mark.parametrize("terms", TERMS)
@@ -168,7 +166,7 @@ def test_spz_as_its_specification_says(tmp_path, version, terms, monkeypatch):
     columns = splat_bytes.raw_splats(200, terms)
     path = saved(tmp_path, "place.spz", splat_bytes.spz(columns, version))
     shares = []
-    splats = read_splats(path, shares.append)
+    splats = load_splats(path, progress=shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == 1
     wanted = expected(columns)
@@ -181,10 +179,10 @@ def test_spz_as_its_specification_says(tmp_path, version, terms, monkeypatch):
 def check_spz(splats, wanted, step, turn):
     """Half a step of each byte; of rotations what a largest component makes of it."""
     check(
-        dataclasses.replace(splats, scales=np.log(splats.scales)),
-        {**wanted, "scales": np.log(wanted["scales"])},
-        positions=step * 1.001,
-        scales=1 / 32 * 1.001,
+        splats.replace(scales=np.log(splats.scales_m)),
+        {**wanted, "scales_m": np.log(wanted["scales_m"])},
+        positions_m=step * 1.001,
+        scales_m=1 / 32 * 1.001,
         rotations=turn,
         opacities=0.5 / 255 * 1.001,
         harmonics=0.5 / 255 / 0.15 * 1.001,
@@ -196,18 +194,18 @@ def test_spz_of_one_splat_byte_by_byte(tmp_path):
     body = bytes.fromhex("000100 00feff 800000") + bytes([51, 255, 0, 128, 160, 144, 176])
     body += struct.pack("<I", 1 << 30)  # y is the largest, the others are 0
     data = struct.pack("<IIIBBBB", 0x5053474E, 3, 1, 0, 8, 0, 0) + body
-    splats = read_splats(saved(tmp_path, "a.spz", gzip.compress(data)))
-    assert splats.positions.tolist() == [[1, -2, 0.5]]
+    splats = load_splats(saved(tmp_path, "a.spz", gzip.compress(data)))
+    assert splats.positions_m.tolist() == [[1, -2, 0.5]]
     assert splats.opacities == pytest.approx([0.2])
     assert splats.harmonics[0, 0] == pytest.approx([0.5 / 0.15, -0.5 / 0.15, 0.5 / 255 / 0.15])
-    assert splats.scales[0] == pytest.approx(np.exp([0, -1, 1]))
+    assert splats.scales_m[0] == pytest.approx(np.exp([0, -1, 1]))
     assert splats.rotations.tolist() == [[0, 1, 0, 0]]
 
 
 def some_splats(count=300, terms=16, seed=2):
     rng = np.random.default_rng(seed)
     quaternions = rng.normal(size=(count, 4))
-    return splat_files.SplatArrays(
+    return SplatCloud(
         rng.normal(size=(count, 3)).astype(np.float32),
         np.exp(rng.normal(size=(count, 3)) - 2).astype(np.float32),
         (quaternions / np.linalg.norm(quaternions, axis=1)[:, None]).astype(np.float32),
@@ -225,34 +223,34 @@ def arrays_of(splats):
 def test_written_ply_is_read_back(tmp_path, terms, monkeypatch):
     monkeypatch.setattr("omma.scene.splat_files.PIECE", 128)
     splats = some_splats(terms=terms)
-    write_splats(tmp_path / "a.ply", splats)
-    found = read_splats(tmp_path / "a.ply")
-    check(found, arrays_of(splats), scales=0, positions=0, harmonics=0)
-    assert np.array_equal(found.positions, splats.positions)
+    save_splats(tmp_path / "a.ply", splats)
+    found = load_splats(tmp_path / "a.ply")
+    check(found, arrays_of(splats), scales_m=0, positions_m=0, harmonics=0)
+    assert np.array_equal(found.positions_m, splats.positions_m)
     assert np.array_equal(found.harmonics, splats.harmonics)
-    write_splats(tmp_path / "b.ply", found)
-    again = read_splats(tmp_path / "b.ply")
-    assert np.array_equal(again.positions, found.positions)
+    save_splats(tmp_path / "b.ply", found)
+    again = load_splats(tmp_path / "b.ply")
+    assert np.array_equal(again.positions_m, found.positions_m)
     check(again, arrays_of(found))
 
 
 @pytest.mark.parametrize("terms", TERMS)
 def test_written_spz_is_read_back(tmp_path, terms, monkeypatch):
     monkeypatch.setattr("omma.scene.splat_files.PIECE", 128)
-    splats = dataclasses.replace(some_splats(terms=terms), world_from_splats=np.eye(4))
-    write_splats(tmp_path / "a.spz", splats)
-    found = read_splats(tmp_path / "a.spz")
-    check_spz(found, arrays_of(splats), np.abs(splats.positions).max() * 2**-22, 2.1e-3)
-    write_splats(tmp_path / "b.spz", found)
-    for name in ("positions", "scales", "opacities", "harmonics"):
-        assert np.array_equal(getattr(read_splats(tmp_path / "b.spz"), name), getattr(found, name))
+    splats = some_splats(terms=terms).replace(world_from_splats=np.eye(4))
+    save_splats(tmp_path / "a.spz", splats)
+    found = load_splats(tmp_path / "a.spz")
+    check_spz(found, arrays_of(splats), np.abs(splats.positions_m).max() * 2**-22, 2.1e-3)
+    save_splats(tmp_path / "b.spz", found)
+    for name in ("positions_m", "scales_m", "opacities", "harmonics"):
+        assert np.array_equal(getattr(load_splats(tmp_path / "b.spz"), name), getattr(found, name))
 
 
 def test_opaque_and_invisible_splats_are_written(tmp_path):
-    splats = dataclasses.replace(some_splats(2), opacities=np.array([0, 1], np.float32))
+    splats = some_splats(2).replace(opacities=np.array([0, 1], np.float32))
     for name in ("a.ply", "a.spz"):
-        write_splats(tmp_path / name, splats)
-        assert read_splats(tmp_path / name).opacities == pytest.approx([0, 1], abs=1e-15)
+        save_splats(tmp_path / name, splats)
+        assert load_splats(tmp_path / name).opacities == pytest.approx([0, 1], abs=1e-15)
 
 
 @pytest.mark.parametrize("name", ["a.ply", "a.spz"])
@@ -261,15 +259,15 @@ def test_splats_look_the_same_in_the_world_from_every_file(tmp_path, name):
     matrix = np.eye(4)
     matrix[:3, :3] = 0.5 * Rotation.from_rotvec([0.3, -1, 0.4]).as_matrix()
     matrix[:3, 3] = [1, -2, 0.5]
-    splats = dataclasses.replace(splats, world_from_splats=matrix)
-    write_splats(tmp_path / name, splats)
+    splats = splats.replace(world_from_splats=matrix)
+    save_splats(tmp_path / name, splats)
     rng = np.random.default_rng(8)
     origins = matrix[:3, 3] + rng.normal(size=(40, 3)) * 3
     directions = matrix[:3, 3] + rng.normal(size=(40, 3)) * 0.4 - origins
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     far = np.full(40, np.inf)
     wanted = slow_splats.trace(splats, origins, directions, far)
-    found = slow_splats.trace(read_splats(tmp_path / name), origins, directions, far)
+    found = slow_splats.trace(load_splats(tmp_path / name), origins, directions, far)
     assert (wanted[1] < 0.5).sum() > 10
     # Of .spz what the rounding of scales by 3 % makes of them, on the way through several.
     limit = 1e-4 if name == "a.ply" else 0.1
@@ -293,16 +291,15 @@ def test_what_files_cannot_say_is_not_written(tmp_path):
     for more, found in (
         ({"color_space": "linear"}, "linear"),
         ({"direction": "ray"}, "ray"),
+        ({"white": (2, 2, 2)}, "white"),
+        ({"world_from_splats": np.diag([1e8, 1e8, 1e8, 1])}, "within 1e6 m"),
         ({"world_from_splats": mirrored}, "one scale"),
         ({"world_from_splats": stretched}, "one scale"),
     ):
         with pytest.raises(omma.Error, match=found):
-            write_splats(tmp_path / "a.ply", dataclasses.replace(splats, **more))
-    far = dataclasses.replace(splats, positions=splats.positions * 1e8)
-    with pytest.raises(omma.Error, match=r"a\.spz: expected positions within"):
-        write_splats(tmp_path / "a.spz", far)
+            save_splats(tmp_path / "a.ply", splats.replace(**more))
     with pytest.raises(omma.Error, match=r"\.ply or \.spz"):
-        write_splats(tmp_path / "a.glb", splats)
+        save_splats(tmp_path / "a.glb", splats)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -311,15 +308,16 @@ def test_what_files_cannot_say_is_not_written(tmp_path):
     [
         ("x", np.nan, "position not finite"),
         ("z", np.inf, "position not finite"),
-        ("y", 1e19, "position farther than 1e18 m"),
+        ("y", 1.1e6, "position beyond 1e6"),
         ("scale_1", np.nan, "scale not a number"),
-        ("scale_1", -np.inf, "scale too small"),
-        ("scale_0", -200, "scale too small"),
-        ("scale_2", 90, "scale too large"),
-        ("scale_2", np.inf, "scale too large"),
+        ("scale_1", -np.inf, "scale below 1e-12"),
+        ("scale_0", np.log(0.9e-12), "scale below 1e-12"),
+        ("scale_2", np.log(1.1e6), "scale above 1e6"),
+        ("scale_2", np.inf, "scale above 1e6"),
         ("opacity", np.nan, "opacity not a number"),
         ("f_dc_1", np.nan, "harmonics not finite"),
         ("f_rest_7", -np.inf, "harmonics not finite"),
+        ("f_rest_3", -1.1e4, "harmonics beyond 1e4"),
         ("rot_2", np.nan, "rotation not finite"),
         ("rot_0", np.inf, "rotation not finite"),
         (("rot_0", "rot_1", "rot_2", "rot_3"), 0, "rotation of length 0"),
@@ -330,8 +328,11 @@ def test_splats_that_are_no_gaussians_are_left_out_and_counted(tmp_path, name, v
     for one in (name,) if isinstance(name, str) else name:
         columns[one][[3, 11, 29]] = value
     for kind in ("binary_big_endian", "ascii"):
-        splats = read_splats(ply_of(tmp_path, columns, kind=kind))
-        assert splats.left_out == {reason: 3}
+        path = ply_of(tmp_path, columns, kind=kind)
+        splats, left_out = read_splats(path)
+        assert left_out == {reason: 3}
+        with pytest.warns(UserWarning, match=rf"place\.ply: 3 splats are left out: {reason}"):
+            assert load_splats(path) == splats
         kept = {one: np.delete(values, [3, 11, 29]) for one, values in columns.items()}
         check(splats, expected(kept))
 
@@ -341,13 +342,13 @@ def test_each_splat_is_counted_once_and_none_left_is_an_error(tmp_path):
     columns["x"][:] = np.nan
     columns["opacity"][:] = np.nan
     with pytest.raises(omma.Error, match=r"none that can be used \(position not finite: 4\)"):
-        read_splats(ply_of(tmp_path, columns))
+        load_splats(ply_of(tmp_path, columns))
 
 
 def test_infinite_logits_are_zero_and_one(tmp_path):
     columns = splat_bytes.raw_splats(3, 1)
     columns["opacity"][:] = [np.inf, -np.inf, 800]
-    assert read_splats(ply_of(tmp_path, columns)).opacities.tolist() == [1, 0, 1]
+    assert load_splats(ply_of(tmp_path, columns)).opacities.tolist() == [1, 0, 1]
 
 
 def without(*names):
@@ -376,7 +377,7 @@ def with_rest(count):
 )
 def test_ply_that_lacks_something(tmp_path, columns, message):
     with pytest.raises(omma.Error, match=rf"a\.ply: .*{message}"):
-        read_splats(saved(tmp_path, "a.ply", splat_bytes.ply({"vertex": columns})))
+        load_splats(saved(tmp_path, "a.ply", splat_bytes.ply({"vertex": columns})))
 
 
 def test_broken_ply(tmp_path):
@@ -397,7 +398,7 @@ def test_broken_ply(tmp_path):
         (b"", "expected 'ply'"),
     ):
         with pytest.raises(omma.Error, match=rf"a\.ply.*{message}"):
-            read_splats(saved(tmp_path, "a.ply", data))
+            load_splats(saved(tmp_path, "a.ply", data))
 
 
 def test_broken_packed_ply(tmp_path):
@@ -415,9 +416,9 @@ def test_broken_packed_ply(tmp_path):
     ):
         assert change[0] in whole
         with pytest.raises(omma.Error, match=rf"a\.ply: .*({message})"):
-            read_splats(saved(tmp_path, "a.ply", whole.replace(*change)))
+            load_splats(saved(tmp_path, "a.ply", whole.replace(*change)))
     with pytest.raises(omma.Error, match="expected 300 points"):
-        read_splats(saved(tmp_path, "a.ply", whole[:-1]))
+        load_splats(saved(tmp_path, "a.ply", whole[:-1]))
 
 
 def record(kind, data):
@@ -447,7 +448,7 @@ def test_spz_that_is_not_what_it_says(tmp_path, version, more, message):
         pytest.importorskip("zstandard")
     data = splat_bytes.spz(splat_bytes.raw_splats(200, 4), version, **more)
     with pytest.raises(omma.Error, match=rf"a\.spz: .*({message})"):
-        read_splats(saved(tmp_path, "a.spz", data))
+        load_splats(saved(tmp_path, "a.spz", data))
 
 
 @pytest.mark.parametrize("version", [2, 3, 4])
@@ -457,21 +458,21 @@ def test_spz_cut_off_anywhere(tmp_path, version):
     columns = splat_bytes.raw_splats(40, 4)
     limits = record(0xADBE0002, b"of a camera.")
     whole = splat_bytes.spz(columns, version, flags=2, tail=limits)
-    assert len(read_splats(saved(tmp_path, "a.spz", whole))) == 40
+    assert len(load_splats(saved(tmp_path, "a.spz", whole)).positions_m) == 40
     for length in (0, 1, 3, 9, 17, 33, 60, 200, len(whole) - 9, len(whole) - 1):
         with pytest.raises(omma.Error, match=r"a\.spz: "):
-            read_splats(saved(tmp_path, "a.spz", whole[:length]))
+            load_splats(saved(tmp_path, "a.spz", whole[:length]))
 
 
 def test_versions_in_the_wrong_wrapping(tmp_path):
     columns = splat_bytes.raw_splats(10, 1)
     three = gzip.decompress(splat_bytes.spz(columns, 3))
     with pytest.raises(omma.Error, match="version 3 as gzip"):
-        read_splats(saved(tmp_path, "a.spz", three))
+        load_splats(saved(tmp_path, "a.spz", three))
     with pytest.raises(omma.Error, match="version 4 without gzip"):
-        read_splats(saved(tmp_path, "a.spz", splat_bytes.spz(columns, 3, says=4)))
+        load_splats(saved(tmp_path, "a.spz", splat_bytes.spz(columns, 3, says=4)))
     with pytest.raises(omma.Error, match="found b'PK"):
-        read_splats(saved(tmp_path, "a.spz", b"PK\3\4" * 20))
+        load_splats(saved(tmp_path, "a.spz", b"PK\3\4" * 20))
 
 
 def bombs():
@@ -501,7 +502,7 @@ def test_bombs_are_refused_at_once_and_without_memory(tmp_path):
         path = saved(tmp_path, name, data)
         tracemalloc.start()
         with pytest.raises(omma.Error, match=name):
-            read_splats(path)
+            load_splats(path)
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         # NumPy's arrays are counted whole where they are made, though pages nobody wrote to take
@@ -517,7 +518,7 @@ def test_a_wide_window_of_zstandard_is_refused(tmp_path):
     # A frame that says its window is 2 GB: no single segment, the greatest exponent.
     data[at + 4], data[at + 5] = 0x00, (31 - 10) << 3
     with pytest.raises(omma.Error, match=r"a\.spz: "):
-        read_splats(saved(tmp_path, "a.spz", bytes(data)))
+        load_splats(saved(tmp_path, "a.spz", bytes(data)))
     assert zstandard.WINDOWLOG_MAX >= 27
 
 
@@ -526,17 +527,17 @@ def test_version_4_says_which_package_it_needs(tmp_path, monkeypatch):
     path.write_bytes(path.read_bytes() + struct.pack("<I12x", 32) + bytes(400))
     monkeypatch.setitem(__import__("sys").modules, "zstandard", None)
     with pytest.raises(omma.Error, match=r"omma\[splats\]|table says"):
-        read_splats(path)
+        load_splats(path)
 
 
 def test_files_that_are_none(tmp_path):
     with pytest.raises(omma.Error, match="expected a file, found none"):
-        read_splats(tmp_path / "a.ply")
+        load_splats(tmp_path / "a.ply")
     (tmp_path / "b.spz").mkdir()
     with pytest.raises(omma.Error, match="found a directory"):
-        read_splats(tmp_path / "b.spz")
+        load_splats(tmp_path / "b.spz")
     with pytest.raises(omma.Error, match=r"\.ply or \.spz"):
-        read_splats(saved(tmp_path, "a.splat", b""))
+        load_splats(saved(tmp_path, "a.splat", b""))
     assert not is_splat_file(tmp_path / "a.splat")
     points = splat_bytes.ply({"vertex": {axis: ("float", np.arange(3)) for axis in "xyz"}})
     path = saved(tmp_path, "points.ply", points)
@@ -546,13 +547,13 @@ def test_files_that_are_none(tmp_path):
 
 @pytest.mark.parametrize("name", ["a.ply", "a.spz"])
 def test_what_progress_raises_comes_back(tmp_path, name):
-    write_splats(tmp_path / name, some_splats())
+    save_splats(tmp_path / name, some_splats())
 
     def stop(share):
         raise ZeroDivisionError(share)
 
     with pytest.raises(ZeroDivisionError):
-        read_splats(tmp_path / name, stop)
+        load_splats(tmp_path / name, progress=stop)
 
 
 SMALL = splat_bytes.raw_splats(7, 4)
@@ -588,13 +589,13 @@ def test_changed_bytes_give_splats_or_an_error(tmp_path_factory, name):
         changed = bytes(data[:length])
         path.write_bytes(gzip.compress(changed, 1) if name == "unpacked.spz" else changed)
         try:
-            splats = read_splats(path)
+            splats, _ = read_splats(path)
         except omma.Error:
             return
-        assert len(splats) > 0
+        assert len(splats.positions_m) > 0
         for one in ARRAYS:
             assert np.isfinite(getattr(splats, one)).all()
-        assert (splats.scales > 0).all()
+        assert (splats.scales_m > 0).all()
         assert np.linalg.norm(splats.rotations, axis=1) == pytest.approx(1, abs=1e-5)
         assert ((splats.opacities >= 0) & (splats.opacities <= 1)).all()
 
@@ -604,7 +605,7 @@ def test_changed_bytes_give_splats_or_an_error(tmp_path_factory, name):
 def test_floaters_are_culled():
     splats = some_splats(400)
     matrix = splats.world_from_splats
-    world = splats.positions @ matrix[:3, :3].T
+    world = splats.positions_m @ matrix[:3, :3].T
     scan = world[:200:2]
     culled, counts = cull_splats(splats, least_opacity=0.3, scan=scan, distance_m=0.2)
     faint = splats.opacities < 0.3
@@ -612,16 +613,16 @@ def test_floaters_are_culled():
     far = ~faint & (distance > 0.2)
     assert counts == {"opacity": faint.sum(), "distance": far.sum()}
     assert far.sum() > 20
-    assert np.array_equal(culled.positions, splats.positions[~faint & ~far])
+    assert np.array_equal(culled.positions_m, splats.positions_m[~faint & ~far])
     assert np.array_equal(culled.harmonics, splats.harmonics[~faint & ~far])
     # A survey's points, far from zero.
     shift = np.array([4e5, 100, -5.8e6])
     cloud = omma.scene.PointCloud(scan.astype(np.float32), shift)
     placed = matrix.copy()
     placed[:3, 3] = shift
-    moved = dataclasses.replace(splats, world_from_splats=placed)
+    moved = splats.replace(world_from_splats=placed)
     same, _ = cull_splats(moved, least_opacity=0.3, scan=cloud, distance_m=0.2)
-    assert np.array_equal(same.positions, culled.positions)
+    assert np.array_equal(same.positions_m, culled.positions_m)
     assert cull_splats(splats) == (splats, {})
 
 
@@ -634,7 +635,66 @@ def test_culling_refuses_nonsense():
         ({"scan": np.full((1, 3), np.nan), "distance_m": 1.0}, "finite"),
         ({"scan": np.zeros((1, 3)), "distance_m": -1.0}, "distance_m"),
         ({"least_opacity": 2.0}, "least_opacity"),
+        ({"beyond_m": -1.0}, "beyond_m"),
+        ({"center_m": (0, np.nan, 0)}, "center_m"),
+        ({"above_m": np.nan}, "above_m"),
         ({"least_opacity": 1.0}, r"found none of 10 \(opacity: 10\)"),
     ):
         with pytest.raises(omma.Error, match=message):
             cull_splats(splats, **more)
+
+
+def test_sky_is_culled():
+    splats = some_splats(400)
+    world = splats.positions_m @ RDF_TO_RUB[:3, :3].T
+    center = np.array([0.5, 1.0, -0.2])
+    culled, counts = cull_splats(splats, beyond_m=1.5, center_m=center, above_m=0.8)
+    beyond = np.linalg.norm(world - center, axis=1) > 1.5
+    above = ~beyond & (world[:, 1] > 0.8)
+    assert counts == {"beyond": beyond.sum(), "above": above.sum()}
+    assert min(counts.values()) > 20
+    assert culled == splats.replace(
+        **{name: getattr(splats, name)[~beyond & ~above] for name in ARRAYS}
+    )
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.spz"])
+def test_scenes_of_splats(tmp_path, name):
+    save_splats(tmp_path / name, some_splats())
+    shares = []
+    scene = omma.load_scene(tmp_path / name, progress=shares.append)
+    assert shares[-1] == 1
+    assert scene.splats == [load_splats(tmp_path / name)]
+    assert scene.path == str(tmp_path / name)
+    assert scene.warnings == []
+    z_up = omma.load_scene(tmp_path / name, unit="mm", up="z").splats
+    assert z_up == [load_splats(tmp_path / name, unit="mm", up="z")]
+    for more in ({"scene_index": 0}, {"color_rule": "compoundray"}, {"up": "-z"}):
+        with pytest.raises(omma.Error, match=next(iter(more))):
+            omma.load_scene(tmp_path / name, **more)
+    with pytest.raises(omma.Error, match=r"load_scene reads|\.ply"):
+        omma.scene.load_points(tmp_path / name)
+
+
+def test_info_says_what_splats_there_are(tmp_path):
+    columns = splat_bytes.raw_splats(30, 4)
+    columns["x"][7] = np.nan
+    path = ply_of(tmp_path, columns)
+    assert is_scene_file(tmp_path / "none.spz")
+    lines = describe_file(path)
+    assert next(value for what, value in lines if what == "splats").startswith(
+        "29 Gaussian splats of place, harmonics of degree 1, composited as srgb"
+    )
+    assert ("warning", "1 splats are left out: position not finite") in lines
+    with pytest.warns(UserWarning, match="1 splats are left out"):
+        omma.load_scene(path)
+
+
+def test_far_splats_of_spz_are_left_out(tmp_path):
+    columns = splat_bytes.raw_splats(30, 4)
+    columns["y"][[3, 9]] = 2e6
+    path = saved(tmp_path, "a.spz", splat_bytes.spz(columns, bits=2))
+    splats, left_out = read_splats(path)
+    assert left_out == {"position beyond 1e6": 2}
+    kept = {one: np.delete(values, [3, 9]) for one, values in columns.items()}
+    check_spz(splats, expected(kept), 1 / 8, 2.1e-3)

@@ -17,8 +17,13 @@ from omma.base.srgb import linear_of_srgb
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# What turns +Z up into +Y up.
-_Y_FROM_Z = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+# What turns the axis that points up into +Y: z, and where y points down and z ahead (COLMAP's
+# cameras, from which splats are trained) -y, by half a turn about x.
+_TURNS = {
+    "y": np.eye(4),
+    "z": np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]),
+    "-y": np.diag([1.0, -1.0, -1.0, 1.0]),
+}
 
 # A scene farther from zero than this many half sizes is moved near it, as the engine does
 # (model/scene_place.h).
@@ -49,9 +54,9 @@ class MeshParts:
 
 
 def world_from_file(unit: str | float, up: str) -> Floats:
-    """(4, 4), from a file's unit and its axis that points up to metres with +Y up."""
-    scaled = np.diag([metres_per_unit(unit)] * 3 + [1.0])
-    return _Y_FROM_Z @ scaled if one_of(up, ("y", "z"), "up") == "z" else scaled
+    """(4, 4), from a file's unit and its axis that points up ("y", "z" or "-y") to metres with +Y
+    up."""
+    return _TURNS[one_of(up, _TURNS, "up")] @ np.diag([metres_per_unit(unit)] * 3 + [1.0])
 
 
 def make_scene(parts: MeshParts, world_from_file: Floats) -> Scene:

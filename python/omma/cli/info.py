@@ -34,6 +34,8 @@ What an eye is like as an eye is measured by **omma eye info**.
 
 `omma info forest.xyz`
 
+`omma info garden.spz`
+
 `omma info garden/sparse/0 -o hull.png`
 
 `omma info flight.npy`
@@ -50,8 +52,8 @@ def info(
         Path | None,
         typer.Argument(
             help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz), "
-            "cameras of a capture (COLMAP's folder, transforms.json, cameras.json), an eye (.eye, "
-            ".csv), or responses (.zarr, .nc, .parquet, .npy, .csv).",
+            "Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, transforms.json, "
+            "cameras.json), an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, .npy, .csv).",
             metavar="FILE",
             show_default=False,
         ),
@@ -59,8 +61,8 @@ def info(
     unit: Annotated[
         str | None,
         typer.Option(
-            help="Unit of lengths in an .eye file (default: mm), or in a file of meshes or "
-            "points (default: m): mm, um, m or a number of metres.",
+            help="Unit of lengths in an .eye file (default: mm), or in a file of meshes, "
+            "points or splats (default: m): mm, um, m or a number of metres.",
             metavar="UNIT",
         ),
     ] = None,

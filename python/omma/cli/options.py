@@ -48,8 +48,8 @@ SceneUnitOption = Annotated[
 SceneUpOption = Annotated[
     str | None,
     typer.Option(
-        help="Axis that is up in the scene's file: y or z. Default: y, in .las, .laz, "
-        ".e57 and .xyz files z.",
+        help="Axis that is up in the scene's file: y, z, or -y where y points down. Default: y, in "
+        ".las, .laz, .e57 and .xyz files z, in .ply files of Gaussian splats -y.",
         metavar="AXIS",
     ),
 ]

@@ -22,12 +22,13 @@ from omma.scene.device_list import devices
 from omma.scene.files import read_scene
 from omma.scene.mesh_files import MESH_FILES
 from omma.scene.point_files import POINT_FILES, is_point_file
+from omma.scene.splat_files import SPLAT_FILES
 
 
 def is_scene_file(path: PathLike) -> bool:
     """Whether a file is to be read as a scene: by its ending, else, as glTF, by how it begins."""
     name = Path(os.fsdecode(path))
-    if name.suffix.lower() in (".gltf", ".glb", *MESH_FILES, *POINT_FILES):
+    if name.suffix.lower() in (".gltf", ".glb", *MESH_FILES, *POINT_FILES, *SPLAT_FILES):
         return True
     if name.suffix.lower() == ".eye":
         return False
@@ -59,7 +60,7 @@ def describe_file(
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Lines:
-    """What is in a file of a scene, points, cameras of a capture, an eye or responses.
+    """What is in a file of a scene, points, splats, cameras of a capture, an eye or responses.
 
     ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
     ``up`` what is up in these; ``progress`` is told how much of a scene is read.
@@ -75,8 +76,8 @@ def describe_file(
         return describe_responses(path)
     if is_point_file(os.fsdecode(path)):
         return describe_points(os.fsdecode(path), "m" if unit is None else unit, up, progress)
-    if Path(os.fsdecode(path)).suffix.lower() in MESH_FILES:
-        return describe_scene(read_scene(path, unit=unit, up=up))
+    if Path(os.fsdecode(path)).suffix.lower() in (*MESH_FILES, *SPLAT_FILES):
+        return describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
     if is_scene_file(path):
         lines = describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.

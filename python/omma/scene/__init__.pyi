@@ -24,6 +24,8 @@ from .materials import (
     natural_materials,
 )
 from .points import PointCloud, load_points
+from .splat_culling import cull_splats
+from .splat_files import load_splats, save_splats
 from .splat_light import calibrate
 from .solids import box, cylinder, disc, plane, sphere
 from .surfel_scenes import surfels
@@ -56,6 +58,7 @@ __all__ = [
     "box",
     "calibrate",
     "corridor",
+    "cull_splats",
     "cylinder",
     "devices",
     "disc",
@@ -64,12 +67,14 @@ __all__ = [
     "load_capture_cameras",
     "load_points",
     "load_scene",
+    "load_splats",
     "merge_scenes",
     "natural_material",
     "natural_materials",
     "place_scene",
     "plane",
     "save_scene",
+    "save_splats",
     "sphere",
     "surfels",
 ]

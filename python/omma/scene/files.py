@@ -19,7 +19,7 @@ from omma.base.warn import warn_caller
 from omma.scene.joining import place_scene
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
-from omma.scene.splat_files import is_splat_file
+from omma.scene.splat_files import is_splat_file, load_splat_scene
 from omma.scene.surfel_scenes import load_surfels
 
 # How the loader's sentence about what only a light shows begins. It is told once a session.
@@ -37,12 +37,13 @@ def load_scene(
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
-    """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, or
-    the points of a `.las`, `.laz`, `.e57` or `.xyz` file, or of a `.ply` file without faces.
+    """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, the
+    points of a `.las`, `.laz`, `.e57` or `.xyz` file, or of a `.ply` file without faces, or the
+    Gaussian splats of a `.ply` or `.spz` file.
 
     Meshes need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what becomes
     of colours and pictures. Points become discs as `omma.scene.load_points` and
-    `omma.scene.surfels` make them by default.
+    `omma.scene.surfels` make them by default. Splats are those of `omma.scene.load_splats`.
 
     Other Python threads run meanwhile, and Ctrl-C stops the work within a second.
 
@@ -57,8 +58,8 @@ def load_scene(
         unit: of lengths in files that do not say it, or say it wrongly: "m" (None), "mm", "um" or a
             number of metres. glTF says metres, +Y up; scanners' programs do not always heed it
             (`omma info` says how large a scene is). Eyes of a scene's cameras keep their size.
-        up: the axis that points up: "y" or "z". None: y, in `.las`, `.laz`, `.e57` and `.xyz` files
-            z.
+        up: the axis that points up: "y", "z", or "-y" where y points down and z ahead. None: y, in
+            `.las`, `.laz`, `.e57` and `.xyz` files z, in `.ply` files of splats -y.
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
             raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
@@ -106,16 +107,14 @@ def read_scene(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
-    if is_splat_file(name):
-        raise Error(
-            f"{name}: expected surfaces, found Gaussian splats, which Omma does not render yet"
-        )
-    is_points = is_point_file(name)
-    if is_points or Path(name).suffix.lower() in MESH_FILES:
+    is_splats, is_points = is_splat_file(name), is_point_file(name)
+    if is_splats or is_points or Path(name).suffix.lower() in MESH_FILES:
         if scene_index is not None:
             raise Error(f"scene_index: expected none, as {name} holds no list of scenes")
         if color_rule != "gltf":
             raise Error(f"color_rule: expected gltf, as {name} is no glTF file")
+        if is_splats:
+            return load_splat_scene(name, "m" if unit is None else unit, up, progress)
         if is_points:
             return load_surfels(name, "m" if unit is None else unit, up, progress)
         return load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)

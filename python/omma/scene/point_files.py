@@ -131,8 +131,8 @@ def _open_ply(path: str) -> PointFile:
     types = {one.name.lower(): one.type for one in vertex.properties}
     if holds_splats(elements):
         raise Error(
-            f"{path}: expected points on surfaces, found Gaussian splats, which Omma does not "
-            "render yet"
+            f"{path}: expected points on surfaces, found Gaussian splats, which omma.load_scene "
+            "reads"
         )
     colour = types.get(next((names[0] for names in _COLOURS if names[0] in types), ""), "u1")
     whites = {"u1": (255.0,), "u2": (65535.0,)}.get(colour, (1.0, 255.0))

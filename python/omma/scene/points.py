@@ -135,7 +135,7 @@ def load_points(
     Args:
         path: the file.
         unit: of its lengths: "m", "mm", "um" or a number of metres (a foot: 0.3048).
-        up: "y" or "z", the axis that points up in it; None: z, in PLY files y.
+        up: "y", "z" or "-y", the axis that points up in it; None: z, in PLY files y.
         every: of the file's order, each how many-th point is kept.
         voxel_m: side of the cells of a grid, in each of which the mean of the points is kept.
         bounds: (2, 3), lower and upper corner of a box of the world, m; what lies outside is passed

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
-from omma.base.mesh_parts import world_from_file
+from omma._core import Error, SplatCloud
 from omma.scene.memory import free_bytes, words_for_bytes
-from omma.scene.splat_arrays import SplatArrays
 
 Floats = NDArray[np.float64]
 
@@ -20,12 +18,12 @@ PIECE = 1 << 14
 # Number of coefficients of all three colours above degree 0, by degree.
 REST_COUNTS = (0, 9, 24, 45)
 
-# No world is larger, and no standard deviation is smaller or larger.
-_MOST_M = 1e18
-_SCALES = (1e-15, 1e15)
-
-# What turns a frame whose y points down, and z ahead (COLMAP's), into +Y up: half a turn about x.
-_Y_UP_FROM_DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
+# What the engine takes (src/model/splat_check.cpp), in single precision.
+_MOST_POSITION = 1e6
+_LEAST_SCALE, _MOST_SCALE = np.float32(1e-12), np.float32(1e6)
+_MOST_HARMONIC = 1e4
+# Of a quaternion, whose square is then no number.
+_LEAST_LENGTH = 1e-100
 
 
 class SplatColumns:
@@ -34,7 +32,8 @@ class SplatColumns:
     def __init__(self, path: str, count: int, terms: int) -> None:
         if count == 0:
             raise Error(f"{path}: expected Gaussian splats, found none")
-        needed, free = 4.0 * count * (11 + 3 * terms), free_bytes()
+        # Here and in the cloud that is made of them.
+        needed, free = 2 * 4.0 * count * (11 + 3 * terms), free_bytes()
         if needed > free:
             raise Error(
                 f"{path}: {count:,} splats take {words_for_bytes(needed)}, of which "
@@ -62,18 +61,19 @@ class SplatColumns:
         ``rotations`` are quaternions x, y, z, w of any length.
         """
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            scales = np.exp(log_scales.astype(np.float64))
+            scales = np.exp(log_scales.astype(np.float64)).astype(np.float32)
             length = np.linalg.norm(rotations.astype(np.float64), axis=1)
             checks = {
                 "position not finite": np.isfinite(positions).all(axis=1),
-                "position farther than 1e18 m": (np.abs(positions) <= _MOST_M).all(axis=1),
+                "position beyond 1e6": _are_near(positions),
                 "scale not a number": ~np.isnan(scales).any(axis=1),
-                "scale too small": (scales >= _SCALES[0]).all(axis=1),
-                "scale too large": (scales <= _SCALES[1]).all(axis=1),
+                "scale below 1e-12": (scales >= _LEAST_SCALE).all(axis=1),
+                "scale above 1e6": (scales <= _MOST_SCALE).all(axis=1),
                 "rotation not finite": np.isfinite(length),
-                "rotation of length 0": length > 0,
+                "rotation of length 0": length > _LEAST_LENGTH,
                 "opacity not a number": ~np.isnan(opacities),
                 "harmonics not finite": np.isfinite(harmonics).all(axis=(1, 2)),
+                "harmonics beyond 1e4": (np.abs(harmonics) <= _MOST_HARMONIC).all(axis=(1, 2)),
             }
         taken = np.ones(len(positions), bool)
         for reason, fits in checks.items():
@@ -90,11 +90,21 @@ class SplatColumns:
         self.harmonics[rows] = harmonics[chosen]
         self.filled = rows.stop
 
-    def splats(self, world_from_splats: Floats, name: str) -> SplatArrays:
-        """What there is.
+    def leave_out_far(self) -> None:
+        """Where arrays were filled otherwise than by `add`: without those beyond reach."""
+        near = _are_near(self.positions[: self.filled])
+        if near.all():
+            return
+        self.left_out["position beyond 1e6"] = int(np.count_nonzero(~near))
+        for one in (self.positions, self.scales, self.rotations, self.opacities, self.harmonics):
+            one[: np.count_nonzero(near)] = one[: self.filled][near]
+        self.filled = int(np.count_nonzero(near))
+
+    def splats(self, world_from_splats: Floats, name: str) -> tuple[SplatCloud, dict[str, int]]:
+        """What there is, and how many were left out, by reason.
 
         Raises:
-            omma.Error: nothing was kept.
+            omma.Error: nothing was kept, or the engine refuses where it is placed.
         """
         if not self.filled:
             why = ", ".join(f"{reason}: {count:,}" for reason, count in self.left_out.items())
@@ -102,24 +112,35 @@ class SplatColumns:
                 f"{self.path}: expected Gaussian splats, found none that can be used ({why})"
             )
         kept = slice(self.filled)
-        return SplatArrays(
-            self.positions[kept],
-            self.scales[kept],
-            self.rotations[kept],
-            self.opacities[kept],
-            self.harmonics[kept],
-            world_from_splats=world_from_splats,
-            name=name,
-            left_out=self.left_out,
-        )
+        try:
+            cloud = SplatCloud(
+                self.positions[kept],
+                self.scales[kept],
+                self.rotations[kept],
+                self.opacities[kept],
+                self.harmonics[kept],
+                world_from_splats=world_from_splats,
+                name=name,
+            )
+        except Error as error:
+            raise Error(f"{self.path}: {error}") from None
+        return cloud, self.left_out
 
 
-def world_from_cloud(unit: str | float, up: str) -> Floats:
-    """(4, 4), from a file's unit and the axis that points up in it, "-y", "y" or "z", to metres
-    with +Y up."""
-    if up == "-y":
-        return _Y_UP_FROM_DOWN @ world_from_file(unit, "y")
-    return world_from_file(unit, up)
+def _are_near(positions: NDArray[Any]) -> NDArray[np.bool_]:
+    near: NDArray[np.bool_] = (np.abs(positions) <= _MOST_POSITION).all(axis=1)
+    return near
+
+
+def chosen(splats: SplatCloud, rows: Any) -> SplatCloud:
+    """Some of them: a slice, a mask or indices."""
+    return splats.replace(
+        positions_m=splats.positions_m[rows],
+        scales_m=splats.scales_m[rows],
+        rotations=splats.rotations[rows],
+        opacities=splats.opacities[rows],
+        harmonics=splats.harmonics[rows],
+    )
 
 
 def sigmoid(logits: NDArray[Any]) -> Floats:

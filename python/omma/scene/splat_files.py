@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
-from omma.base.arguments import one_of
+from omma import _core
+from omma._core import Error, Scene, SplatCloud
+from omma.base.addresses import expect_local
+from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, reading
+from omma.base.mesh_parts import world_from_file
 from omma.base.progress import Progress
+from omma.base.warn import warn_caller
 from omma.scene.point_files import holds_splats, ply_head
-from omma.scene.splat_arrays import SplatArrays
-from omma.scene.splat_columns import PIECE, expect_file, world_from_cloud
+from omma.scene.splat_columns import PIECE, chosen, expect_file
 from omma.scene.splat_harmonics import moved_splats
 from omma.scene.splat_ply import ply_header_of, read_ply_splats, write_ply_rows
 from omma.scene.splat_spz import ATTRIBUTES, SpzWriter, read_spz_splats
@@ -25,7 +28,6 @@ SPLAT_FILES = (".ply", ".spz")
 # Which axis points up where nobody says it: x right, y down, z ahead as in COLMAP's cameras, from
 # which 3DGS trains; .spz files are x right, y up, z back by their specification.
 _UP = {".ply": "-y", ".spz": "y"}
-_AXES = ("-y", "y", "z")
 
 
 def is_splat_file(path: PathLike) -> bool:
@@ -43,35 +45,13 @@ def read_splats(
     *,
     unit: str | float = "m",
     up: str | None = None,
-) -> SplatArrays:
-    """Read the Gaussian splats of a `.ply` file as 3DGS, PlayCanvas or Mip-Splatting write it, or
-    of an `.spz` file of version 2, 3 or 4 (4 needs zstandard: `pip install 'omma[splats]'`).
-
-    Numbers stay in the file's own frame and unit, in which harmonics are meant;
-    ``world_from_splats`` brings them into the world. Colours are sRGB, harmonics along the
-    direction to a Gaussian's centre, as 3DGS trains them. Splats that are no Gaussians (numbers
-    that are not finite, scales of 0, quaternions of length 0) are left out and counted in
-    ``left_out``. An opacity whose logit is infinite is 0 or 1, which programs write.
-
-    Args:
-        path: the file.
-        progress: called with the finished share (0 to 1) after each piece. What it raises ends the
-            reading and is raised here.
-        unit: of lengths: "m", "mm", "um" or a number of metres. What a camera's pictures tell has
-            no scale of its own.
-        up: the axis that points up in the file: "-y", "y" or "z". None: -y in `.ply` files (y
-            down, z ahead, as COLMAP and 3DGS have it and viewers take it), y in `.spz` files.
-
-    Raises:
-        omma.Error: the file is missing, cut off or broken, lacks something, holds no splats that
-            can be used or more than fit into memory; it names the file and what is wrong.
-    """
+) -> tuple[SplatCloud, dict[str, int]]:
+    """As `load_splats`, with how many were left out by reason, for those who say so themselves."""
     name = os.fsdecode(path)
     check_ending(name, *SPLAT_FILES)
     expect_file(name)
     ending = Path(name).suffix.lower()
-    axis = _UP[ending] if up is None else one_of(up, _AXES, "up")
-    placed = world_from_cloud(unit, axis)
+    placed = world_from_file(unit, _UP[ending] if up is None else up)
     raised: list[BaseException] = []
 
     def tell(share: float) -> None:
@@ -95,21 +75,87 @@ def read_splats(
         raise
 
 
-def write_splats(path: PathLike, splats: SplatArrays) -> None:
+@checked
+def load_splats(
+    path: PathLike,
+    *,
+    unit: str | float = "m",
+    up: str | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> SplatCloud:
+    """Read the Gaussian splats of a `.ply` file as 3DGS, PlayCanvas or Mip-Splatting write it, or
+    of an `.spz` file of version 2, 3 or 4 (4 needs zstandard: `pip install 'omma[splats]'`).
+
+    `omma.load_scene` makes a scene of them at once. Numbers stay in the file's own frame and unit,
+    in which harmonics are meant; ``world_from_splats`` brings them into the world. Colours are
+    sRGB, harmonics along the direction to the middle of a splat, as 3DGS trains them. An opacity
+    whose logit is infinite is 0 or 1. Splats that are none, or out of reach, are left out: numbers
+    that are not finite, positions beyond 1e6, scales below 1e-12 or above 1e6, harmonics beyond
+    1e4, quaternions of length 0.
+
+    Args:
+        path: the file.
+        unit: of its lengths: "m", "mm", "um" or a number of metres. What a camera's pictures tell
+            has no scale of its own.
+        up: the axis that points up in it: "y", "z" or "-y". None: -y in `.ply` files (y down, z
+            ahead, as COLMAP and 3DGS have it), y in `.spz` files.
+        progress: called with the finished share (0 to 1) after each piece. What it raises ends the
+            reading and is raised here.
+
+    Example:
+        >>> cloud = omma.scene.SplatCloud(
+        ...     [(0, 0, -1)], [(0.1, 0.1, 0.1)], [(0, 0, 0, 1)], [1.0], np.zeros((1, 1, 3))
+        ... )
+        >>> omma.scene.save_splats("one.ply", cloud)
+        >>> omma.scene.load_splats("one.ply")
+        <omma.scene.SplatCloud 'one' of 1 splats>
+
+    Raises:
+        omma.Error: the file is missing, cut off or broken, lacks something, holds no splats that
+            can be used or more than fit into memory; it names the file and what is wrong.
+
+    Warns:
+        UserWarning: splats that were left out, by number and reason.
+    """
+    cloud, left_out = read_splats(path, progress, unit=unit, up=up)
+    for sentence in _told(left_out):
+        warn_caller(f"{os.fsdecode(path)}: {sentence}", UserWarning)
+    return cloud
+
+
+def load_splat_scene(
+    path: str, unit: str | float, up: str | None, progress: Progress | None
+) -> Scene:
+    """The scene of a file of splats; how many were left out is in its warnings."""
+    cloud, left_out = read_splats(path, progress, unit=unit, up=up)
+    return _core.with_path(Scene(splats=[cloud]), path, _told(left_out))
+
+
+def _told(left_out: dict[str, int]) -> list[str]:
+    return [f"{count:,} splats are left out: {reason}" for reason, count in left_out.items()]
+
+
+@checked
+def save_splats(path: PathLike, splats: SplatCloud) -> None:
     """Write Gaussian splats as a `.ply` file, little-endian as 3DGS has it, or an `.spz` file of
     version 3. The file is there whole or not at all.
 
-    They are written in metres in the frame that these files have by custom (`read_splats`), in
+    They are written in metres in the frame that these files have by custom (`load_splats`), in
     which `.ply` keeps single precision. `.spz` rounds: positions to the finest step that 24 bits
     leave, scales to 3 % of 45 um to 380 m, opacities to 1/255, harmonics to 1/128 between -1 and 1,
     what is beyond being cut; so is the constant term beyond 3.3.
 
+    Args:
+        path: the file, whose name ends in .ply or .spz.
+        splats: what to write.
+
     Raises:
-        omma.Error: another ending; linear colours or harmonics along rays, which these files
-            cannot say; splats placed by a matrix that mirrors, or stretches more one way than
-            another; the system refuses.
+        omma.Error: another ending; no splats; linear colours, harmonics along rays or a white other
+            than 1, which these files cannot say (`omma.scene.save_scene` can); splats placed by a
+            matrix that mirrors, or stretches more one way than another; splats out of reach in
+            metres (`load_splats`); the system refuses.
     """
-    name = os.fsdecode(path)
+    name = expect_local(path, "a file of splats")
     check_ending(name, *SPLAT_FILES)
     ending = Path(name).suffix.lower()
     if splats.color_space != "srgb" or splats.direction != "center":
@@ -117,31 +163,42 @@ def write_splats(path: PathLike, splats: SplatArrays) -> None:
             f'{name}: expected splats of color_space "srgb" and direction "center", as {ending} '
             f"files have no others, found {splats.color_space} and {splats.direction}"
         )
+    if splats.white != (1, 1, 1):
+        raise Error(
+            f"{name}: expected splats of white 1, as {ending} files have no other, found "
+            f"{splats.white}: give splats.replace(white=(1, 1, 1))"
+        )
+    if not len(splats.positions_m):
+        raise Error(f"{name}: expected Gaussian splats, found none")
     terms = splats.harmonics.shape[1]
-    frame = np.linalg.inv(world_from_cloud("m", _UP[ending])) @ splats.world_from_splats
-    with WholeFiles() as files:
+    frame = np.linalg.inv(world_from_file("m", _UP[ending])) @ splats.world_from_splats
+    with WholeFiles() as files, _naming(name):
         file = files.open(name)
         if ending == ".ply":
-            file.write(ply_header_of(len(splats), terms))
+            file.write(ply_header_of(len(splats.positions_m), terms))
             for piece in _pieces(splats, frame):
                 write_ply_rows(file, piece)
             return
         # All but harmonics, which are most of the work, of splats without them.
-        plain = dataclasses.replace(splats, harmonics=splats.harmonics[:, :1])
-        farthest = max(
-            (float(np.abs(one.positions).max()) for one in _pieces(plain, frame)), default=0.0
-        )
-        try:
-            writer = SpzWriter(file, len(splats), terms, farthest)
-        except Error as error:
-            raise Error(f"{name}: {error}") from None
+        plain = splats.replace(harmonics=splats.harmonics[:, :1])
+        farthest = max(float(np.abs(one.positions_m).max()) for one in _pieces(plain, frame))
+        writer = SpzWriter(file, len(splats.positions_m), terms, farthest)
         for attribute in ATTRIBUTES:
             for piece in _pieces(splats if attribute == "harmonics" else plain, frame):
                 writer.write(attribute, piece)
         writer.close()
 
 
-def _pieces(splats: SplatArrays, frame: NDArray[np.float64]) -> Iterator[SplatArrays]:
+@contextmanager
+def _naming(name: str) -> Iterator[None]:
+    """Errors inside name the file."""
+    try:
+        yield
+    except Error as error:
+        raise error if str(error).startswith(name) else Error(f"{name}: {error}") from None
+
+
+def _pieces(splats: SplatCloud, frame: NDArray[np.float64]) -> Iterator[SplatCloud]:
     """Some splats at a time, in the file's frame."""
-    for start in range(0, len(splats), PIECE):
-        yield moved_splats(splats.chosen(slice(start, start + PIECE)), frame)
+    for start in range(0, len(splats.positions_m), PIECE):
+        yield moved_splats(chosen(splats, slice(start, start + PIECE)), frame)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
-from omma.scene.splat_arrays import SplatArrays
+from omma._core import Error, SplatCloud
 
 Floats = NDArray[np.float64]
 
@@ -59,12 +56,13 @@ def turned_harmonics(rotation: Floats, terms: int) -> Floats:
     return np.where(np.abs(matrix - whole) < _WHOLE, whole, matrix)
 
 
-def moved_splats(splats: SplatArrays, frame_from_splats: Floats) -> SplatArrays:
+def moved_splats(splats: SplatCloud, frame_from_splats: Floats) -> SplatCloud:
     """The same splats with other numbers, in a frame that lies otherwise; in the world they stay
     where they are.
 
     Raises:
-        omma.Error: a matrix that mirrors, or stretches more one way than another.
+        omma.Error: a matrix that mirrors, or stretches more one way than another, or numbers that
+            are then out of reach.
     """
     linear = frame_from_splats[:3, :3]
     size = np.cbrt(np.linalg.det(linear))
@@ -77,10 +75,9 @@ def moved_splats(splats: SplatArrays, frame_from_splats: Floats) -> SplatArrays:
     terms = splats.harmonics.shape[1]
     matrix = turned_harmonics(rotation, terms)
     harmonics = np.einsum("jk,nkc->njc", matrix, splats.harmonics, optimize=True)
-    return dataclasses.replace(
-        splats,
-        positions=(splats.positions @ linear.T + frame_from_splats[:3, 3]).astype(np.float32),
-        scales=(splats.scales * size).astype(np.float32),
+    return splats.replace(
+        positions_m=(splats.positions_m @ linear.T + frame_from_splats[:3, 3]).astype(np.float32),
+        scales_m=(splats.scales_m * size).astype(np.float32),
         rotations=_turned_quaternions(rotation, splats.rotations),
         harmonics=harmonics.astype(np.float32),
         world_from_splats=world,

@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
+from omma._core import Error, SplatCloud
 from omma.base.ply_header import PlyElement
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all
-from omma.scene.splat_arrays import SplatArrays
 from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns
 
 _CHUNK = 256
@@ -44,7 +43,9 @@ class PackedPly:
     vertex: _Table
     sh: _Table | None
 
-    def read(self, world_from_cloud: Floats, progress: Progress | None) -> SplatArrays:
+    def read(
+        self, world_from_splats: Floats, progress: Progress | None
+    ) -> tuple[SplatCloud, dict[str, int]]:
         count = len(self.vertex)
         terms = 1 if self.sh is None else 1 + len(self.sh.dtype.names or ()) // 3
         columns = SplatColumns(self.path, count, terms)
@@ -53,7 +54,7 @@ class PackedPly:
             self._add(columns, rows, terms)
             if progress is not None:
                 progress(rows.stop / count)
-        return columns.splats(world_from_cloud, os.path.splitext(os.path.basename(self.path))[0])
+        return columns.splats(world_from_splats, os.path.splitext(os.path.basename(self.path))[0])
 
     def _add(self, columns: SplatColumns, rows: slice, terms: int) -> None:
         vertex = {name: self.vertex[name][rows].astype(np.uint32) for name in _PACKED}

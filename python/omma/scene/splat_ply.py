@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
+from omma._core import Error, SplatCloud
 from omma.base.files import WholeFile
 from omma.base.mesh_parts import offset_of
 from omma.base.ply_header import PlyElement
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all, holds_splats, ply_head, text_tables
-from omma.scene.splat_arrays import SplatArrays
 from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns, sigmoid
 from omma.scene.splat_packed_ply import read_packed_ply
 
@@ -36,7 +35,9 @@ _REST = "f_rest_"
 _OPAQUE = 40.0
 
 
-def read_ply_splats(path: str, world_from_cloud: Floats, progress: Progress | None) -> SplatArrays:
+def read_ply_splats(
+    path: str, world_from_splats: Floats, progress: Progress | None
+) -> tuple[SplatCloud, dict[str, int]]:
     """All that can be used of the splats of a PLY file."""
     order, elements, begin = ply_head(path)
     names = [one.name for one in elements]
@@ -47,7 +48,7 @@ def read_ply_splats(path: str, world_from_cloud: Floats, progress: Progress | No
         )
     vertex = elements[names.index("vertex")]
     if "packed_position" in {one.name for one in vertex.properties}:
-        return read_packed_ply(path, order, elements, begin).read(world_from_cloud, progress)
+        return read_packed_ply(path, order, elements, begin).read(world_from_splats, progress)
     before = elements[: names.index("vertex")]
     if any(one.count_type for each in (*before, vertex) for one in each.properties):
         raise Error(f"{path}: expected vertices without lists in them or before them")
@@ -69,7 +70,7 @@ def read_ply_splats(path: str, world_from_cloud: Floats, progress: Progress | No
         if progress is not None:
             progress(rows / vertex.count)
     expect_all(path, vertex.count, rows)
-    placed = world_from_cloud.copy()
+    placed = world_from_splats.copy()
     placed[:3, 3] += placed[:3, :3] @ offset
     return columns.splats(placed, os.path.splitext(os.path.basename(path))[0])
 
@@ -205,11 +206,11 @@ def _written(terms: int) -> list[str]:
     return [*_POSITION, "nx", "ny", "nz", *_COLOUR, *rest, "opacity", *_SCALE, *_ROTATION]
 
 
-def write_ply_rows(file: WholeFile, splats: SplatArrays) -> None:
+def write_ply_rows(file: WholeFile, splats: SplatCloud) -> None:
     """Rows of splats that are in the file's frame already. Normals, which mean nothing, are 0."""
     count, terms = splats.harmonics.shape[:2]
     table = np.zeros((count, len(_written(terms))), "<f4")
-    table[:, :3] = splats.positions
+    table[:, :3] = splats.positions_m
     table[:, 6:9] = splats.harmonics[:, 0]
     rest = splats.harmonics[:, 1:].transpose(0, 2, 1)
     table[:, 9 : 9 + 3 * (terms - 1)] = rest.reshape(count, -1)
@@ -217,6 +218,6 @@ def write_ply_rows(file: WholeFile, splats: SplatArrays) -> None:
         opacities = splats.opacities.astype(np.float64)
         logits = np.log(opacities) - np.log1p(-opacities)
     table[:, -8] = np.clip(logits, -_OPAQUE, _OPAQUE)
-    table[:, -7:-4] = np.log(splats.scales.astype(np.float64))
+    table[:, -7:-4] = np.log(splats.scales_m.astype(np.float64))
     table[:, -4:] = splats.rotations[:, [3, 0, 1, 2]]
     file.write(table.tobytes())

@@ -18,11 +18,10 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
+from omma._core import Error, SplatCloud
 from omma.base.files import WholeFile
 from omma.base.optional import needs
 from omma.base.progress import Progress
-from omma.scene.splat_arrays import SplatArrays
 from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns
 
 _MAGIC = 0x5053474E
@@ -73,8 +72,8 @@ class _Head:
 
 
 def read_spz_splats(
-    path: str, world_from_cloud: Floats, name: str, progress: Progress | None
-) -> SplatArrays:
+    path: str, world_from_splats: Floats, name: str, progress: Progress | None
+) -> tuple[SplatCloud, dict[str, int]]:
     """All splats of an .spz file."""
     with open(path, "rb") as file:
         size = file.seek(0, 2)
@@ -89,7 +88,7 @@ def read_spz_splats(
             raise Error(f"{path}: expected a file of .spz, of gzip or NGSP, found {begins!r}")
         columns = _read_columns(path, head, attributes, progress)
         _check_rest(path, head, rest)
-    return columns.splats(world_from_cloud, name)
+    return columns.splats(world_from_splats, name)
 
 
 def _head_of(path: str, data: bytes) -> _Head:
@@ -264,6 +263,8 @@ def _read_columns(
             if progress is not None:
                 progress(done / whole)
     columns.filled = head.count
+    # What the bytes of all else stand for is within reach.
+    columns.leave_out_far()
     return columns
 
 
@@ -329,19 +330,15 @@ class SpzWriter:
             raise Error(f"expected fewer than {1 << 31:,} splats in .spz, found {count:,}")
         largest = float((1 << 23) - 1)
         bits = int(np.floor(np.log2(largest / farthest_m))) if farthest_m > 0 else _FRACTION_BITS
-        if bits < 0:
-            raise Error(
-                f"expected positions within {largest:,.0f} m in .spz, found {farthest_m:,.0f} m"
-            )
         self._file, self._bits = file, min(bits, _FRACTION_BITS - 1)
         self._packer = zlib.compressobj(6, zlib.DEFLATED, 16 + zlib.MAX_WBITS)
         degree = REST_COUNTS.index(3 * (terms - 1))
         self._write(_HEAD.pack(_MAGIC, 3, count, degree, self._bits, 0, 0))
 
-    def write(self, attribute: str, splats: SplatArrays) -> None:
+    def write(self, attribute: str, splats: SplatCloud) -> None:
         """An attribute of some splats."""
         if attribute == "positions":
-            whole = np.round(splats.positions * 2.0**self._bits).astype("<i4")
+            whole = np.round(splats.positions_m * 2.0**self._bits).astype("<i4")
             self._write(whole.view(np.uint8).reshape(-1, 3, 4)[..., :3].tobytes())
         elif attribute == "opacities":
             self._write(_as_bytes(splats.opacities * 255.0).tobytes())
@@ -349,7 +346,7 @@ class SpzWriter:
             wide = splats.harmonics[:, 0] * (_COLOUR_SCALE * 255) + 127.5
             self._write(_as_bytes(wide).tobytes())
         elif attribute == "scales":
-            logs = np.log(splats.scales.astype(np.float64)) + _LOG_SCALE_OFFSET
+            logs = np.log(splats.scales_m.astype(np.float64)) + _LOG_SCALE_OFFSET
             self._write(_as_bytes(logs * _LOG_SCALE_STEPS).tobytes())
         elif attribute == "rotations":
             self._write(_packed_quaternions(splats.rotations.astype(np.float64)).tobytes())

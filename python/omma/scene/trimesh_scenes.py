@@ -26,7 +26,7 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
     Args:
         mesh: what trimesh has.
         unit: of its lengths: "m", "mm", "um" or a number of metres.
-        up: "y" or "z", the axis that points up in it; z up is turned to Omma's +Y up.
+        up: "y", "z" or "-y", the axis that points up in it, which is turned to Omma's +Y up.
 
     Raises:
         omma.Error: it is neither, or has numbers that no scene has; trimesh is not installed.
