@@ -28,6 +28,8 @@ PLACES = RNG.uniform(-3, 3, (7, 3)) + (0, 4, 0)
 POSES = np.array([omma.look_at(place, TARGET) for place in PLACES])
 # +Z up as +Y up.
 Y_FROM_Z = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+# y down and z ahead as +Y up.
+Y_DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
 HALF = np.degrees(np.arctan([320 / 400, 240 / 420]))
 WRITERS = {
     "text": lambda folder, poses: write_colmap_text(folder / "model", poses),
@@ -38,9 +40,9 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-@pytest.mark.parametrize("up", ["y", "z"])
+@pytest.mark.parametrize("up", ["y", "z", "-y"])
 def test_each_file_gives_the_poses_it_was_written_from(tmp_path, kind, up):
-    file_from_world = np.eye(4) if up == "y" else Y_FROM_Z.T
+    file_from_world = {"y": np.eye(4), "z": Y_FROM_Z.T, "-y": Y_DOWN}[up]
     path = WRITERS[kind](tmp_path, file_from_world @ POSES)
     cameras = load_capture_cameras(path, up=up)
     assert_allclose(cameras.positions_m, PLACES, atol=1e-12)
@@ -56,10 +58,10 @@ def test_each_file_gives_the_poses_it_was_written_from(tmp_path, kind, up):
 
 
 def test_what_is_up_by_default(tmp_path):
-    """y in COLMAP's frame and that of splats, z in Nerfstudio's."""
+    """-y in COLMAP's frame and that of splats, z in Nerfstudio's."""
     for kind, file_from_world in (
-        ("text", np.eye(4)),
-        ("splats", np.eye(4)),
+        ("text", Y_DOWN),
+        ("splats", Y_DOWN),
         ("transforms", Y_FROM_Z.T),
     ):
         cameras = load_capture_cameras(WRITERS[kind](tmp_path, file_from_world @ POSES))
@@ -77,7 +79,7 @@ def test_a_camera_at_a_known_place_that_looks_east(tmp_path):
     assert np.linalg.det(turn) == 1
     half = np.sqrt(0.5)  # w = 0: a half turn about (1, 0, 1) / sqrt(2)
     (folder / "images.txt").write_text(f"1 0 {half} 0 {half} 0 2 0 1 a.jpg\n\n")
-    cameras = load_capture_cameras(tmp_path)
+    cameras = load_capture_cameras(tmp_path, up="y")
     assert_allclose(cameras.positions_m, [[0, 2, 0]], atol=1e-15)
     # Columns: right, up, back, in the world.
     assert_allclose(cameras.world_from_camera[0], [[0, 0, -1], [0, 1, 0], [1, 0, 0]], atol=1e-15)
@@ -86,7 +88,7 @@ def test_a_camera_at_a_known_place_that_looks_east(tmp_path):
 
 def test_units_and_matrices(tmp_path):
     path = WRITERS["text"](tmp_path, POSES)
-    feet = load_capture_cameras(path, unit=0.3048)
+    feet = load_capture_cameras(path, unit=0.3048, up="y")
     assert_allclose(feet.positions_m, PLACES * 0.3048, atol=1e-12)
     world_from_file = omma.poses_from_angles((5, -2, 1), (30, 20, 10))[0]
     world_from_file[:3, :3] *= 2.5
@@ -105,7 +107,7 @@ def test_the_transform_that_nerfstudio_applied_can_be_undone(tmp_path):
         tmp_path / "transforms.json", turned, applied_transform=applied.tolist(), applied_scale=4.0
     )
     assert_allclose(load_capture_cameras(path, up="y").positions_m, turned[:, :3, 3], atol=1e-12)
-    undone = load_capture_cameras(path, undo_applied=True)
+    undone = load_capture_cameras(path, undo_applied=True, up="y")
     assert_allclose(undone.positions_m, PLACES, atol=1e-12)
     assert_allclose(undone.world_from_camera, POSES[:, :3, :3], atol=1e-12)
 
@@ -356,7 +358,7 @@ def test_wrong_arguments(tmp_path):
         (colmap, {"undo_applied": True}, "undo_applied: is for Nerfstudio's transforms.json"),
         (nerf, {"undo_applied": True}, "applied_transform: expected a matrix to undo, found none"),
         (colmap, {"unit": "ell"}, "unit: expected mm, um, m or a number of metres, found 'ell'"),
-        (colmap, {"up": "x"}, "up: expected one of y, z, found 'x'"),
+        (colmap, {"up": "x"}, "up: expected one of y, z, -y, found 'x'"),
         (colmap, {"up": "y", "world_from_file": np.eye(4)}, "not together with unit and up"),
         (colmap, {"world_from_file": np.eye(3)}, r"expected shape \(4, 4\), found \(3, 3\)"),
         (colmap, {"world_from_file": stretched}, "expected a rotation times a scale above 0"),

@@ -178,7 +178,7 @@ def photographed():
 
 def test_beside_responses(photographed, tmp_path):
     scene, shots = photographed
-    cameras = load_capture_cameras(write_colmap_text(tmp_path / "sparse" / "0", shots))
+    cameras = load_capture_cameras(write_colmap_text(tmp_path / "sparse" / "0", shots), up="y")
     renderer = omma.Renderer(scene, omma.eye.generate_eye(300), omma.Fixed(8))
     poses = np.stack([shots[0], omma.look_at((0.3, 0.2, 0), (0, 0.5, -2))])
     plain = renderer.ground_truth(poses)
@@ -243,7 +243,7 @@ def test_info_and_picture(run_omma, tmp_path, photographed, monkeypatch):
     _, shots = photographed
     monkeypatch.chdir(tmp_path)
     write_colmap_text(tmp_path / "garden" / "sparse" / "0", shots)
-    code, out, err = run_omma("info", "garden", "-o", "hull.png")
+    code, out, err = run_omma("info", "garden", "--up", "y", "-o", "hull.png")
     assert code == 0, err
     assert (tmp_path / "hull.png").read_bytes().startswith(b"\x89PNG")
     # A ring of 24: sides of 2 * 3 m * sin(180 / 24 degrees).
@@ -275,7 +275,7 @@ def test_what_info_cannot_do(run_omma, tmp_path, photographed, monkeypatch):
     for words, said in (
         (("garden", "-o", "hull.csv"), "expected a name ending in .pdf, .svg or .png"),
         (("bee.eye", "-o", "hull.png"), "--output: is for the cameras of a capture, found bee.eye"),
-        (("garden", "--up", "x"), "--up: expected one of y, z, found 'x'"),
+        (("garden", "--up", "x"), "--up: expected one of y, z, -y, found 'x'"),
         (("garden", "--unit", "ell"), "--unit: expected mm, um, m or a number of metres"),
     ):
         code, _, err = run_omma("info", *words)

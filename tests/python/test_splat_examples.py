@@ -184,7 +184,6 @@ def test_agreement_of_two_worlds(example, tmp_path):
     assert (tmp_path / "figure.png").stat().st_size > 10_000
 
 
-@pytest.mark.skipif(not hasattr(omma.scene, "Splats"), reason="this Omma loads no splats yet")
 def test_comparison_runs(trained, tmp_path):
     command = [sys.executable, str(EXAMPLES / "compare_splats.py"), str(trained[0])]
     command += ["-o", str(tmp_path / "bee.png"), "--samples", "1"]

@@ -177,10 +177,11 @@ def load_capture_cameras(
         path: the folder or file.
         unit: of its lengths: "m", "mm", "um" or a number of metres. COLMAP's unit is whatever the
             photographs gave, until somebody measures it.
-        up: "y" or "z", the axis that points up in it; None: y, in `transforms.json` z.
+        up: the axis that points up in it, "y", "z" or "-y"; None: -y (y down, z ahead), as in the
+            `.ply` files of splats that are trained there, in `transforms.json` z.
         world_from_file: (4, 4), instead of both: a rotation times a scale, and a translation.
         undo_applied: of `transforms.json`: take its `applied_transform` and `applied_scale` off, so
-            that cameras are in the frame from which it was made (COLMAP's, with y for ``up``).
+            that cameras are in the frame from which it was made (COLMAP's, with -y for ``up``).
 
     Raises:
         omma.Error: no such file, one that is cut off or of another shape, no photograph with a
@@ -226,14 +227,14 @@ def _read(path: str, undo_applied: bool) -> tuple[list[Shot], str]:
     """The photographs, and which axis is up unless the caller knows better."""
     document: Any = None if os.path.isdir(path) else read_json(path)
     if is_transforms(document):
-        return read_transforms(path, document, undo_applied), "y" if undo_applied else "z"
+        return read_transforms(path, document, undo_applied), "-y" if undo_applied else "z"
     if undo_applied:
         raise Error(f"undo_applied: is for Nerfstudio's transforms.json, found {path}")
     if is_splat_cameras(document):
-        return read_splat_cameras(path, document), "y"
+        return read_splat_cameras(path, document), "-y"
     folder = colmap_folder(path)
     if folder is not None:
-        return read_colmap(folder), "y"
+        return read_colmap(folder), "-y"
     if os.path.isdir(path):
         raise Error(
             f"{path}: expected a folder of COLMAP, with cameras.bin and images.bin or "

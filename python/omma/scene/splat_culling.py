@@ -73,7 +73,7 @@ def cull_splats(
     if above_m is not None:
         height = within(above_m, "above_m", -1e12, 1e12)
         keep("above", _each(splats, np.zeros(3), lambda at: at[:, 1] <= height))
-    if distance_m is not None:
+    if scan is not None and distance_m is not None:
         keep("distance", _near(splats, kept, scan, positive(distance_m, "distance_m")))
     if not kept.any():
         why = ", ".join(f"{reason}: {left:,}" for reason, left in counts.items())

@@ -19,7 +19,7 @@ def basis(directions: Floats, terms: int) -> Floats:
     """(N, terms) real spherical harmonics of unit directions (N, 3), with 3DGS's order and signs.
 
     Order: degree, then -degree to degree; signs with the Condon-Shortley phase (Kerbl et al. 2023,
-    utils/sh_utils.py, which writes the square roots as decimals).
+    its sh_utils, which writes the square roots as decimals).
     """
     x, y, z = directions.T
     pi = np.pi

@@ -1,9 +1,7 @@
-"""PLY files of Gaussian splats as 3DGS trains and writes them (Kerbl et al. 2023,
-scene/gaussian_model.py): log scales, logits of opacities, quaternions w, x, y, z, harmonics by
-colour.
-
-Files of Mip-Splatting that have ``filter_3D`` (Yu et al. 2024) hold Gaussians before that filter;
-it is applied here as its own ``save_fused_ply`` does, after which they are 3DGS's.
+"""PLY files of Gaussian splats as 3DGS trains and writes them (Kerbl et al. 2023): log scales,
+logits of opacities, quaternions w, x, y, z, harmonics by colour. Files of Mip-Splatting that have
+``filter_3D`` (Yu et al. 2024) hold Gaussians before that filter; it is applied here as its own
+``save_fused_ply`` does, after which they are 3DGS's.
 """
 
 from __future__ import annotations
