@@ -87,6 +87,12 @@ def named_files(tmp_path_factory):
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
     (folder / "forest.xyz").write_text("0 0 0\n0 0 1\n1 0 0\n")
+    omma.scene.save_splats(
+        folder / "garden.spz",
+        omma.scene.SplatCloud(
+            [(0, 0, -1)], [(0.1, 0.1, 0.1)], [(0, 0, 0, 1)], [0.5], np.zeros((1, 1, 3))
+        ),
+    )
     around = [omma.look_at((x, 1, 3), (0, 0, 0)) for x in (-1, 0, 1)]
     write_colmap_text(folder / "garden" / "sparse" / "0", around)
     (folder / "moved").mkdir()

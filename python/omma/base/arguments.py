@@ -165,6 +165,7 @@ _OWN = {
     "Bands": "omma.light.Bands",
     "Camera": "omma.scene.Camera",
     "CaptureCameras": "omma.scene.CaptureCameras",
+    "SplatCloud": "omma.scene.SplatCloud",
     "DetectorState": "omma.motion.DetectorState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
