@@ -65,12 +65,13 @@ def test_the_head_steps_and_flies_by_keys(page, window):
     until(lambda: window.look.pose.position_m[2] < 3.9)
     page.keyboard.up("w")
 
-    def rests():
+    def is_still():
         before = window.look.pose
         time.sleep(0.3)
         return window.look.pose == before
 
-    until(rests)  # a busy browser hears of the key some time later
+    until(is_still)  # a busy browser hears of the key some time later
+    rests = window.look.pose
     until(lambda: np.allclose(client.camera.position, rests.position_m, atol=1e-3))
     page.keyboard.down("ArrowRight")
     until(lambda: window.look.pose.yaw_deg > 5)
