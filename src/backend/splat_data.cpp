@@ -3,7 +3,6 @@
 #include "backend/splat_data.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "backend/build_tree.h"
@@ -21,40 +20,24 @@ namespace {
 // flat, while single precision still knows on which side of one a ray is.
 constexpr double least_thickness = 1e-4;
 
-using Matrix = std::array<std::array<double, 3>, 3>;
-
-// Of a unit quaternion x, y, z, w.
-Matrix turn(const Vec4& q) {
-  const double x = static_cast<double>(q.x), y = static_cast<double>(q.y),
-               z = static_cast<double>(q.z), w = static_cast<double>(q.w);
-  return {{{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-           {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-           {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}}};
-}
-
-// A splat in the traced frame: its middle, its own axes as long as its standard deviations.
+// A splat in the traced frame.
 struct Placed {
-  Vec3d center;
-  Mat4 frame_from_splat;
-  double most_square;  // see TracedSplat; below 0 where it never counts
+  Mat4 frame_from_splat;  // of its own axes, as long as its standard deviations, about its middle
+  double most_square;     // see TracedSplat; below 0 where it never counts
 };
 
 Placed placed_splat(const SplatCloud& cloud, std::size_t i, const Mat4& frame_from_cloud) {
-  const Matrix axes = turn(cloud.rotations[i]);
-  const Vec3 s = cloud.scales[i];
-  const double largest = static_cast<double>(std::max({s.x, s.y, s.z}));
-  const double scale[3] = {std::max(static_cast<double>(s.x), least_thickness * largest),
-                           std::max(static_cast<double>(s.y), least_thickness * largest),
-                           std::max(static_cast<double>(s.z), least_thickness * largest)};
-  Mat4 cloud_from_splat;
-  const Vec3d at = to_double(cloud.positions[i]);
-  for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = 0; c < 3; ++c) cloud_from_splat.m[r][c] = axes[r][c] * scale[c];
-  cloud_from_splat.m[0][3] = at.x, cloud_from_splat.m[1][3] = at.y, cloud_from_splat.m[2][3] = at.z;
-  const Mat4 m = frame_from_cloud * cloud_from_splat;
+  const Vec3d at = to_double(cloud.positions[i]), s = to_double(cloud.scales[i]);
+  const double least = least_thickness * std::max({s.x, s.y, s.z});
+  const Vec4 q = cloud.rotations[i];
+  const Mat4 cloud_from_splat =
+      transform_of({at.x, at.y, at.z},
+                   {static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z),
+                    static_cast<double>(q.w)},
+                   {std::max(s.x, least), std::max(s.y, least), std::max(s.z, least)});
   const double opacity = static_cast<double>(cloud.opacities[i]);
   const double most_square = 2 * std::log(opacity / static_cast<double>(least_splat_alpha));
-  return {{m.m[0][3], m.m[1][3], m.m[2][3]}, m, opacity > 0 ? most_square : -1};
+  return {frame_from_cloud * cloud_from_splat, opacity > 0 ? most_square : -1};
 }
 
 // The box around where a splat counts.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/pose_check.h"
 #include "model/scene_place.h"
 #include "omma/error.h"
 
@@ -14,6 +15,8 @@ namespace {
 // Whitened offsets, and their squares, stay in single precision: splats may be this small and
 // large, and lie this far away.
 constexpr float least_scale_m = 1e-12f, most_scale_m = 1e6f, most_position_m = 1e6f;
+// As large as splats may then be, boxes around them stay in single precision.
+constexpr double most_stretched = 1e12;
 // A colour of 1 is full scale.
 constexpr float most_harmonic = 1e4f, most_white = 1e9f;
 // Quaternions are turns to about single precision.
@@ -71,6 +74,8 @@ void check_cloud(const SplatCloud& cloud, const std::string& place) {
       if (!std::isfinite(t.m[r][c])) throw Error(place + ": world_from_splats is not finite");
   if (t.m[3][0] != 0 || t.m[3][1] != 0 || t.m[3][2] != 0 || t.m[3][3] != 1)
     throw Error(place + ": the bottom row of world_from_splats is not 0 0 0 1");
+  if (!(most_stretch(t) <= most_stretched))
+    throw Error(place + ": world_from_splats stretches by more than 1e12");
   const double det = std::fabs(determinant(t));
   if (!(det > least_determinant && det < 1 / least_determinant))
     throw Error(place + ": world_from_splats cannot be inverted");

@@ -208,6 +208,20 @@ TEST(Splats, OneFromInside) {
   EXPECT_EQ(result.at(3), 0);
 }
 
+// As surfaces are: what is nearer than the focal offset along a ray is within the eye.
+TEST(Splats, WithinTheEyeAreNotSeen) {
+  for (const double at : {0.05, 0.15}) {
+    SplatCloud cloud;
+    cloud.color_space = SplatColor::linear;
+    add_splat(cloud, {0, 0, -at}, 0.01, 0.5, {1, 1, 1});
+    Eye eye = make_eye(Vec3d{0, 0, -1}, 0);
+    eye.position_m[0] = {0, 0, -0.1f};
+    eye.focal_offset_m[0] = 0.1f;
+    EXPECT_NEAR(render(scene_of({cloud}, {0, 0, 0}), eye, one_ray).at(0), at > 0.1 ? 0.5 : 0.0,
+                1e-6);
+  }
+}
+
 // What is behind them keeps its light.
 TEST(Splats, OfAnotherWhite) {
   SplatCloud cloud;
@@ -388,6 +402,10 @@ TEST(Splats, RefusedWhereTheyCannotBeRight) {
            c.world_from_splats = scaling({0, 1, 1});
          }),
          "cannot be inverted");
+  expect(changed([](SplatCloud& c) {
+           c.world_from_splats = scaling({1e40, 1e-20, 1e-20});
+         }),
+         "stretches by more than 1e12");
   Scene mixed = scene_of({random_cloud(1, 2, 0.1), random_cloud(2, 2, 0.1)});
   mixed.splats[1].color_space = SplatColor::linear;
   EXPECT_THROW(validate_scene(mixed), Error);

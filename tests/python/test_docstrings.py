@@ -28,7 +28,8 @@ def test_there_are_examples():
 
 
 @pytest.mark.parametrize("name", examples())
-def test_examples_are_true(name):
+def test_examples_are_true(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # some write files
     names = {"omma": omma, "np": np}
     test = doctest.DocTestParser().get_doctest(examples()[name], names, name, None, 0)
     said = []

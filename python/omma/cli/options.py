@@ -34,7 +34,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 SceneArgument = Annotated[
     Path,
     typer.Argument(
-        help="Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply.",
+        help="Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply; Gaussian "
+        "splats: .ply, .spz.",
         metavar="SCENE",
     ),
 ]

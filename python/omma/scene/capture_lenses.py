@@ -91,17 +91,14 @@ def rotation_of_quaternion(quaternion: Sequence[float], where: str) -> Floats:
     Raises:
         omma.Error: its length is 0.
     """
+    from scipy.spatial.transform import Rotation
+
     length = math.hypot(*quaternion)
     if not 1e-12 < length < math.inf:
         raise Error(f"{where}: expected a quaternion, found one of length {length:g}")
-    w, x, y, z = (one / length for one in quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    w, x, y, z = (one / length for one in quaternion)  # squares of a long one overflow
+    rotation: Floats = Rotation.from_quat([x, y, z, w]).as_matrix()
+    return rotation
 
 
 def position(values: Floats, where: str) -> Floats:

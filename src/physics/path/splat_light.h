@@ -127,8 +127,8 @@ OMMA_HD void decode_splats(const SplatsView& view, SplatLight<L>& light) {
   }
 }
 
-// Light of splats along the rays of some lanes, behind begin_m and up to their t_far_m. `depths`
-// may be null.
+// Light of splats along the rays of some lanes, behind begin_m and their t_near_m, up to their
+// t_far_m. `depths` may be null.
 template <typename L>
 OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
                                 const RayPacket<L::count>& rays, const float (&begin_m)[L::count],
@@ -139,7 +139,7 @@ OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
   alignas(L::count * 4) float origin[3][L::count];  // in the frame of splats
   const RayFrame<L> frame{origin, rays.direction};
   for (int l = 0; l < L::count; ++l) {
-    buffer.near_m[l] = begin_m[l];
+    buffer.near_m[l] = begin_m[l] > rays.t_near_m[l] ? begin_m[l] : rays.t_near_m[l];
     buffer.last[l] = behind_all;
     buffer.through_near[l] = light.transmittance[l] = 1;
     for (int a = 0; a < 3; ++a) {
