@@ -49,6 +49,7 @@ LEFT = {
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
     "torch_dataset": "PyTorch, which is not among what the tests need",
+    "torch_responses": "PyTorch, which is not among what the tests need",
     "plot_species": "a species, which takes seconds to make",
     "Renderer.render_stokes": "a world that is polarised",
     "eye_env": "a loop (test_gym)",
@@ -175,6 +176,7 @@ def public_calls(folder):
         "OmmatidiumType": ("a", (green,)),
         "Wiring": ([0, 1], [0], [1.0]),
         "Renderer": (scene, eye),
+        "Population": (omma.World(scene), [eye, eye]),
         "Scene": {
             "meshes": (mesh,), "instances": (omma.scene.Instance(0),), "materials": (),
             "textures": (), "images": (), "cameras": (), "hit_boxes": (),
@@ -510,6 +512,14 @@ def public_calls(folder):
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
             "ground_truth": (pose,), "with_world": (omma.World(scene),),
+            "jacobian": (pose,), "jvp": (pose, {"axis": np.zeros((24, 3))}),
+            "vjp": (pose, np.zeros((1, 24, 3))),
+        }),
+        "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
+            "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),
+        }),
+        "Population": (omma.Population(omma.World(scene), [eye, eye]), {
+            "render": (pose,), "with_eyes": ([eye],),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),
