@@ -84,7 +84,10 @@ def load_scene(
         if sentence.startswith(WITHOUT_LIGHT):
             if _told:
                 continue
+            warn_caller(f"{scene.path}: {sentence}", UserWarning)
+            # Where warnings are errors it is not told before somebody lets it pass.
             _told.append(sentence)
+            continue
         warn_caller(f"{scene.path}: {sentence}", UserWarning)
     return scene
 
