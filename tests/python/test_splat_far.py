@@ -12,6 +12,7 @@ from test_splat_files import RDF_TO_RUB, ply_of, saved, some_splats
 
 import omma
 from omma.scene import SplatCloud, load_splats, save_splats
+from omma.scene.files import read_scene
 from omma.scene.splat_files import read_splats
 
 UTM = np.array([4e5, 100.0, -5.8e6])
@@ -69,7 +70,7 @@ def test_what_the_file_has_rounded_is_told_with_a_number(tmp_path):
         splats = load_splats(path, up="y")
     off = np.abs(positions_of(splats) - (xyz_of(columns) + EARTH)).max()
     assert off <= 0.25  # half a step of single precision at 4.8e6
-    (told,) = omma.scene.files.read_scene(path).warnings
+    (told,) = read_scene(path).warnings
     assert "by up to 0.29, in a cloud of" in told  # 4.8e6 / 2^24
     # Near the origin there is nothing to tell.
     assert read_splats(ply_of(tmp_path, columns))[1] == []

@@ -24,6 +24,8 @@ from omma.scene.surfel_scenes import load_surfels
 
 # How the loader's sentence about what only a light shows begins. It is told once a session.
 WITHOUT_LIGHT = "without a light "
+# What its sentences about places have in them, which are told anew of a scene that is moved.
+_OF_PLACES = ("from the origin of their own coordinates", "are not seen reliably")
 _told: list[str] = []
 
 
@@ -141,7 +143,8 @@ def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene
     cameras = [
         one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
     ]
-    return _core.with_path(placed.replace(cameras=cameras), scene.path, scene.warnings)
+    told = [one for one in scene.warnings if not any(words in one for words in _OF_PLACES)]
+    return _core.with_path(placed.replace(cameras=cameras), scene.path, told)
 
 
 @checked
