@@ -54,6 +54,14 @@ SceneUpOption = Annotated[
         metavar="AXIS",
     ),
 ]
+SceneVoxelOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Of points of a scan: side of the cells of a grid, in metres, in each of which their "
+        "mean is one disc. Default: each point is one.",
+        metavar="METRES",
+    ),
+]
 
 EyeUnitOption = Annotated[
     str,

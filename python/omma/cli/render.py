@@ -23,6 +23,7 @@ from omma.cli.options import (
     SceneArgument,
     SceneUnitOption,
     SceneUpOption,
+    SceneVoxelOption,
     ThreadsOption,
     UltravioletOption,
     UnitOption,
@@ -78,6 +79,11 @@ An ant's track on the ground, its head 3 mm above it:
 
 `omma render meadow.glb --eye ant.eye --path track.csv --on-ground 0.003 --ground land
 -o walk.npy`
+
+A laser scan, thinned to the mean of each centimetre:
+
+`omma render scan.xyz --scene-voxel-m 0.01 --eye honeybee.eye --position 0 1 0
+-o place.png`
 
 A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
 it was, to the same numbers:
@@ -139,6 +145,7 @@ def render(
     unit: UnitOption = None,
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -220,6 +227,7 @@ def render(
         ground=tuple(ground or ()),
         scene_unit=scene_unit,
         scene_up=scene_up,
+        scene_voxel_m=scene_voxel_m,
         threads=threads,
         backend=backend,
         devices=tuple(device or ()),

@@ -273,6 +273,7 @@ def _scene(table: Table, folder: Path) -> SceneInput:
         "color_rule": table.take("color_rule", text, "gltf"),
         "unit": table.take("unit", _same, None),
         "up": table.take("up", text, None),
+        "voxel_m": table.take("voxel_m", number_above_0, None),
     }  # fmt: skip
     found = SceneInput(table.take("name", name, _plain_name(file)), file, options)
     table.end()

@@ -97,6 +97,7 @@ def render_like(
         scene_index=said.take("scene_index", is_count, None),
         scene_unit=said.take("scene_unit_m", is_number, None),
         scene_up=said.take("scene_up", is_text, None),
+        scene_voxel_m=said.take("scene_voxel_m", is_number, None),
         threads=threads,
         backend=backend_word(backend),
         background=background,

@@ -84,12 +84,13 @@ def begin(job: RenderJob, tell: Stage) -> Begun:
     names = output_names(job.outputs, job.standard_error, job.resume, [job.path])
     start = time.perf_counter()
     tell(READING, None)
-    with as_named(unit="scene_unit", up="scene_up"):
+    with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
         scene = read_scene(
             job.scene,
             job.scene_index,
             unit=job.scene_unit,
             up=job.scene_up,
+            voxel_m=job.scene_voxel_m,
             progress=partial(tell, READING),
         )
     camera = _camera(scene, job)

@@ -54,6 +54,7 @@ class RenderJob:
     scene_index: int | None = None
     scene_unit: str | float | None = None
     scene_up: str | None = None
+    scene_voxel_m: float | None = None
     threads: int = 0
     backend: str = ""
     devices: Sequence[int] = ()
@@ -138,6 +139,7 @@ class JobOptions(Options, total=False):
     scene_index: int | None
     scene_unit: str | float | None
     scene_up: str | None
+    scene_voxel_m: float | None
     threads: int
     backend: str
     devices: Sequence[int]

@@ -79,8 +79,8 @@ def render_file(
         ground: with it, a name or names of instances that are ground; none: everything is.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
-        scene_unit, scene_up: of files of meshes and points, ``unit`` and ``up`` of
-            `load_scene`.
+        scene_unit, scene_up, scene_voxel_m: of the scene's file, ``unit``, ``up`` and ``voxel_m``
+            of `load_scene`.
         sampling, options: as in `Renderer`; the frame of a path's pose has its number in the path.
             A camera's picture takes `Fixed` and a seed, as `render_camera` does.
         threads, backend, devices: as in `Renderer`.

@@ -41,6 +41,8 @@ def story_of(
         story["scene_unit_m"] = metres_per_unit(job.scene_unit)
     if job.scene_up is not None:
         story["scene_up"] = job.scene_up
+    if job.scene_voxel_m is not None:
+        story["scene_voxel_m"] = float(job.scene_voxel_m)
     if job.ultraviolet is not None:
         story["ultraviolet"] = json.dumps(ultraviolet_mix(job.ultraviolet).tolist())
     if job.light is not None:

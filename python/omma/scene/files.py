@@ -37,6 +37,7 @@ def load_scene(
     color_rule: str = "gltf",
     unit: str | float | None = None,
     up: str | None = None,
+    voxel_m: float | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, the
@@ -62,6 +63,8 @@ def load_scene(
             (`omma info` says how large a scene is). Eyes of a scene's cameras keep their size.
         up: the axis that points up: "y", "z", or "-y" where y points down and z ahead. None: y, in
             `.las`, `.laz`, `.e57` and `.xyz` files z, in `.ply` files of splats -y.
+        voxel_m: of points alone: side of the cells of a grid, m, in each of which their mean is one
+            disc. None: each point is one.
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
             raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
@@ -80,7 +83,13 @@ def load_scene(
             are not shaded without a light is told once a session.
     """
     scene = read_scene(
-        path, scene_index, color_rule=color_rule, unit=unit, up=up, progress=progress
+        path,
+        scene_index,
+        color_rule=color_rule,
+        unit=unit,
+        up=up,
+        voxel_m=voxel_m,
+        progress=progress,
     )
     for sentence in scene.warnings:
         if sentence.startswith(WITHOUT_LIGHT):
@@ -101,6 +110,7 @@ def read_scene(
     color_rule: str = "gltf",
     unit: str | float | None = None,
     up: str | None = None,
+    voxel_m: float | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """As `load_scene`, for those who hand ``Scene.warnings`` on themselves."""
@@ -113,6 +123,8 @@ def read_scene(
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
     is_splats, is_points = is_splat_file(name), is_point_file(name)
+    if voxel_m is not None and not is_points:
+        raise Error(f"voxel_m: expected none, as {name} holds no points of a scan")
     if is_splats or is_points or Path(name).suffix.lower() in MESH_FILES:
         if scene_index is not None:
             raise Error(f"scene_index: expected none, as {name} holds no list of scenes")
@@ -121,7 +133,7 @@ def read_scene(
         if is_splats:
             return load_splat_scene(name, "m" if unit is None else unit, up, progress)
         if is_points:
-            return load_surfels(name, "m" if unit is None else unit, up, progress)
+            return load_surfels(name, "m" if unit is None else unit, up, voxel_m, progress)
         return load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
