@@ -12,6 +12,9 @@ from omma.cli.help import App
 from omma.cli.options import (
     BackendOption,
     BackgroundOption,
+    CaptureCamerasOption,
+    CaptureUnitOption,
+    CaptureUpOption,
     DeviceOption,
     GammaOption,
     GroundOption,
@@ -85,6 +88,11 @@ A laser scan, thinned to the mean of each centimetre:
 `omma render scan.xyz --scene-voxel-m 0.01 --eye honeybee.eye --position 0 1 0
 -o place.png`
 
+Beside each response how near a camera was, of a place known from photographs:
+
+`omma render garden.spz --capture-cameras garden/sparse/0 --eye honeybee.eye --path flight.csv
+-o near.nc -o near.csv`
+
 A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
 it was, to the same numbers:
 
@@ -146,6 +154,9 @@ def render(
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
     scene_voxel_m: SceneVoxelOption = None,
+    capture_cameras: CaptureCamerasOption = None,
+    capture_unit: CaptureUnitOption = None,
+    capture_up: CaptureUpOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -228,6 +239,9 @@ def render(
         scene_unit=scene_unit,
         scene_up=scene_up,
         scene_voxel_m=scene_voxel_m,
+        capture_cameras=capture_cameras,
+        capture_unit=capture_unit,
+        capture_up=capture_up,
         threads=threads,
         backend=backend,
         devices=tuple(device or ()),
