@@ -80,7 +80,6 @@ def writers_of(
     *,
     receptors: bool,
     standard_error: bool,
-    with_cameras: bool = False,
     make_paint: Callable[[], Paint],
 ) -> tuple[list[Writer], list[str]]:
     """Writers of the files named, and the names of all files written; ``closed`` closes those that
@@ -88,6 +87,7 @@ def writers_of(
     writers: list[Writer] = []
     written: list[str] = []
     shape = labels.shape("response")
+    with_cameras = "camera_angle" in labels.variables
     beside_each = _variables_beside(standard_error, with_cameras)
     for name in names:
         suffix = Path(name).suffix.lower()

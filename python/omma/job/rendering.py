@@ -190,7 +190,6 @@ def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
             view.head,
             receptors=job.receptors,
             standard_error=job.standard_error,
-            with_cameras=begun.cameras is not None,
             make_paint=make_paint,
         )
         render: Render

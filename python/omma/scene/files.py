@@ -16,7 +16,8 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike
 from omma.base.mesh_parts import world_from_file
 from omma.base.warn import warn_caller
-from omma.scene.joining import place_scene
+from omma.scene.gltf_spz import load_spz_gltf
+from omma.scene.joining import place_scene, warnings_of_file
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
 from omma.scene.splat_files import is_splat_file, load_splat_scene
@@ -24,8 +25,6 @@ from omma.scene.surfel_scenes import load_surfels
 
 # How the loader's sentence about what only a light shows begins. It is told once a session.
 WITHOUT_LIGHT = "without a light "
-# What its sentences about places have in them, which are told anew of a scene that is moved.
-_OF_PLACES = ("from the origin of their own coordinates", "are not seen reliably")
 _told: list[str] = []
 
 
@@ -138,7 +137,9 @@ def read_scene(
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
     index = -1 if scene_index is None else scene_index
-    scene = _core.load_scene(path, index, color_rule, progress)
+    scene = load_spz_gltf(name, index, color_rule, progress)
+    if scene is None:
+        scene = _core.load_scene(path, index, color_rule, progress)
     return scene if unit is None and up is None else _as_written(scene, unit, up)
 
 
@@ -155,8 +156,7 @@ def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene
     cameras = [
         one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
     ]
-    told = [one for one in scene.warnings if not any(words in one for words in _OF_PLACES)]
-    return _core.with_path(placed.replace(cameras=cameras), scene.path, told)
+    return _core.with_path(placed.replace(cameras=cameras), scene.path, warnings_of_file(scene))
 
 
 @checked

@@ -15,7 +15,7 @@ from omma import _core
 from omma._core import Error, Scene, SplatCloud
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked
-from omma.base.files import PathLike, WholeFiles, check_ending, reading
+from omma.base.files import PathLike, WholeFiles, check_ending, reading_told
 from omma.base.mesh_parts import world_from_file
 from omma.base.progress import Progress
 from omma.base.warn import warn_caller
@@ -60,27 +60,10 @@ def read_splats(
     expect_file(name)
     ending = Path(name).suffix.lower()
     placed = world_from_file(unit, _UP[ending] if up is None else up)
-    raised: list[BaseException] = []
-
-    def tell(share: float) -> None:
-        # What the caller raises is the caller's, not the file's fault.
-        try:
-            assert progress is not None
-            progress(share)
-        except BaseException as error:
-            raised.append(error)
-            raise
-
-    told = None if progress is None else tell
-    try:
-        with reading(name, "Gaussian splats"):
-            read = read_spz_splats if ending == ".spz" else read_ply_splats
-            columns: SplatColumns = read(name, told)
-            return columns.splats(placed, Path(name).stem), columns.told()
-    except Error:
-        if raised:
-            raise raised[0] from None
-        raise
+    with reading_told(name, "Gaussian splats", progress) as told:
+        read = read_spz_splats if ending == ".spz" else read_ply_splats
+        columns: SplatColumns = read(name, told)
+        return columns.splats(placed, Path(name).stem), columns.told()
 
 
 @checked
