@@ -8,6 +8,7 @@ import textwrap
 import numpy as np
 import pytest
 import splat_bytes
+from test_gltf_spz import document_of, primitive, write_glb
 from test_splat_files import RDF_TO_RUB, ply_of, saved, some_splats
 
 import omma
@@ -175,7 +176,8 @@ def test_wrong_splats_are_counted_from_the_start_of_the_cloud(tmp_path, name, mo
         save_splats(tmp_path / name, splats)
 
 
-def test_a_scene_takes_two_clouds_of_memory_while_it_is_read(tmp_path):
+@pytest.mark.parametrize("name", ["many.ply", "many.spz", "many.glb"])
+def test_a_scene_takes_two_clouds_of_memory_while_it_is_read(tmp_path, name):
     count, terms = 300_000, 16
     many = SplatCloud(
         np.random.default_rng(1).normal(size=(count, 3)),
@@ -184,7 +186,10 @@ def test_a_scene_takes_two_clouds_of_memory_while_it_is_read(tmp_path):
         np.full(count, 0.5),
         np.zeros((count, terms, 3), np.float32),
     )
-    save_splats(tmp_path / "many.ply", many)
+    save_splats(tmp_path / name.replace("glb", "spz"), many)
+    if name == "many.glb":
+        packed = document_of([(tmp_path / "many.spz").read_bytes()], [[primitive(0)]])
+        write_glb(tmp_path / name, *packed)
     code = """
         import resource, sys
         import omma
@@ -193,7 +198,7 @@ def test_a_scene_takes_two_clouds_of_memory_while_it_is_read(tmp_path):
         scene = omma.load_scene(sys.argv[1])
         print(peak() - before)
     """
-    words = [sys.executable, "-c", textwrap.dedent(code), str(tmp_path / "many.ply")]
+    words = [sys.executable, "-c", textwrap.dedent(code), str(tmp_path / name)]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     # What readers look for before they begin (splat_columns.py), and 10 MB or so of a piece.
     assert int(done.stdout) < 2 * 4 * count * (11 + 3 * terms) + (24 << 20)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Camera as Camera
@@ -137,18 +138,18 @@ def read_scene(
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
     index = -1 if scene_index is None else scene_index
-    scene = load_spz_gltf(name, index, color_rule, progress)
-    if scene is None:
-        scene = _core.load_scene(path, index, color_rule, progress)
-    return scene if unit is None and up is None else _as_written(scene, unit, up)
-
-
-def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene:
-    """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
     try:
         matrix = world_from_file("m" if unit is None else unit, "y" if up is None else up)
     except Error as error:
-        raise Error(f"{scene.path}: {error}") from None
+        raise Error(f"{name}: {error}") from None
+    packed = load_spz_gltf(name, index, color_rule, progress)
+    scene = _core.load_scene(path, index, color_rule, progress) if packed is None else packed
+    del packed
+    return scene if unit is None and up is None else _as_written(scene, matrix)
+
+
+def _as_written(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
+    """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
     placed = place_scene(scene, matrix)
     # A camera's scale is that of its eye, which is none of the file's lengths.
     metres = float(np.cbrt(np.linalg.det(matrix[:3, :3])))
@@ -156,7 +157,9 @@ def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene
     cameras = [
         one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
     ]
-    return _core.with_path(placed.replace(cameras=cameras), scene.path, warnings_of_file(scene))
+    if cameras:
+        placed = placed.replace(cameras=cameras)
+    return _core.with_path(placed, scene.path, warnings_of_file(scene))
 
 
 @checked

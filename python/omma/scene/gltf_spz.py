@@ -60,6 +60,10 @@ class _Packed:
     columns: SplatColumns
     told: list[str] = field(default_factory=list)
 
+    def sentences(self) -> list[str]:
+        """What there is to warn of."""
+        return [f"{self.place}: {sentence}" for sentence in (*self.told, *self.columns.told())]
+
 
 def load_spz_gltf(
     path: str, scene_index: int, color_rule: str, progress: Progress | None
@@ -98,8 +102,7 @@ def _with_splats(scene: Scene, name: str, path: str, packed: list[_Packed]) -> S
     """The scene that was read under another name, with splats in place of marks."""
     told = [one.replace(name, path) for one in warnings_of_file(scene)]
     clouds = [_unmarked(cloud, packed) for cloud in scene.splats]
-    for one in packed:
-        told += [f"{one.place}: {sentence}" for sentence in (*one.told, *one.columns.told())]
+    told += [sentence for one in packed for sentence in one.sentences()]
     packed.clear()  # what is in clouds now; a scene is copied, and memory meant for two of them
     scene = scene.replace(splats=clouds)
     del clouds
