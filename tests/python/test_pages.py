@@ -43,7 +43,6 @@ rows = np.random.default_rng(1).random((9000, 4)) * (0.3, 0.3, 0.01, 2) + (0, 0,
 rows[:, 3] = np.floor(rows[:, 3])
 np.savetxt("scan.ply", rows, "%.5g", header=header + "end_header", comments="")
 """,
-        7: 'import os; os.symlink("meadow.glb", "garden.glb")',
     },
     "docs/receptors.md": {
         1: """
@@ -208,7 +207,8 @@ def folder(tmp_path):
     for path in (tmp_path / "flight.csv", tmp_path / "examples" / "flight.csv"):
         path.write_text("\n".join(few_poses) + "\n")
     (tmp_path / "job.toml").write_text(JOB)
-    (tmp_path / "meadow.glb").symlink_to(examples / "meadow.glb")
+    for name in ("meadow.glb", "garden.glb"):
+        (tmp_path / name).symlink_to(examples / "meadow.glb")
     left, right = (examples / f"honeybee_worker_{side}.eye" for side in ("left", "right"))
     for name, eye in (("left", left), ("right", right), ("bee", left)):
         (tmp_path / f"{name}.eye").symlink_to(eye)
