@@ -161,6 +161,8 @@ def public_calls(folder):
     adapted = omma.photoreceptors.VanHaterenSnippe(100.0)
     started.filter(frames[0])
     adapted.filter(frames[0])
+    sensor = omma.photoreceptors.EventSensor()
+    events = sensor.run([np.ones(24), np.full(24, 2.0)], [0.0, 1.0])
     job = write_job(folder / "job", count=3)
     omma.datasets.run(job)
     views = omma.datasets.open_views(folder / "job" / "job.zarr")
@@ -261,6 +263,9 @@ def public_calls(folder):
         "ImpulseResponse.exponential": (0.01,),
         "ImpulseResponse.box": (0.01,),
         "ImpulseResponse.table": ([0, 0.01, 0.02], [0, 1, 0]),
+        "EventSensor": (0.2, 0.2, 0.01, "log", 0.1),
+        "event_counts": (events, [0.0, 1.0], (24,)),
+        "EventState": (0.0, np.ones(3), np.ones(3), np.ones(3)),
         "FrameFilter": (impulse.howard(0.01, 0.3), 100.0),
         "VanHaterenSnippe": (100.0,),
         "displace_axes": (eye.axis, eye.up, np.full(len(eye), 0.01), 0.0),
@@ -528,6 +533,11 @@ def public_calls(folder):
             "eval": ([0.01],), "cumulative": ([0.01],), "first_moment_s": ([0.01],),
             "quantile": ([0.5],), "sample": ([0.5],), "transfer": ([10.0],),
         }),
+        "EventSensor": (sensor, {
+            "step": (None, np.ones(24), 0.0), "run": (np.ones((2, 24)), [0.0, 1.0]),
+            "dataset": (events, eye),
+        }),
+        "EventState": (sensor.step(None, np.ones(24), 0.0)[0], {}),
         "FrameFilter": (started, {"filter": (frames[0],)}),
         "VanHaterenSnippe": (adapted, {"filter": (frames[0],)}),
         "Lattice": (omma.eye.lay_directions(0.3), {}),
