@@ -330,8 +330,8 @@ def events() -> None:
     told = EventSensor(0.4, refractory_s=0.002).run(light, time)
     for polarity, color, label in polarities:
         own = told["polarity"] == polarity
-        panels[2].plot(told["time_s"][own], azimuth[told["ommatidium"][own]], ".", ms=3, color=color,
-                       label=label)  # fmt: skip
+        at = azimuth[told["ommatidium"][own]]
+        panels[2].plot(told["time_s"][own], at, ".", ms=3, color=color, label=label)
     style(panels[2], "A head turns past a bright bar, 60°/s", "time (s)", "azimuth (°)")
     legend(panels[2], loc="upper right", markerscale=3)
     save(figure, "events")

@@ -66,7 +66,7 @@ dorsal_rim = [omma.receptors.OmmatidiumType("rim", (r7p, r7y))]
 # What a page says comes out of it.
 COMES_OUT = {
     "README.md": "assert responses.shape == errors.shape == (1, 10760, 3)",
-    "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
+    "docs/closed-loops.md": "assert observations.shape == (64, 200, 3) and responses.any()",
     "docs/datasets.md": """
 assert evening.sizes["view"] == 40 and len(views) == 80
 assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
