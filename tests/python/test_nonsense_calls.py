@@ -48,7 +48,10 @@ LEFT = {
 # Without a call that works: these want what only other parts of the tests make.
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
-    "torch_dataset": "PyTorch, which is not among what the tests need",
+    "torch_dataset": "PyTorch (test_torch)",
+    "torch_render_stream": "PyTorch (test_torch)",
+    "torch_renders": "PyTorch (test_torch)",
+    "torch_stream": "PyTorch (test_torch)",
     "plot_species": "a species, which takes seconds to make",
     "Renderer.render_stokes": "a world that is polarised",
     "eye_env": "a loop (test_gym)",
@@ -402,6 +405,9 @@ def public_calls(folder):
         "run": (job,),
         "to_webdataset": (views.store, folder / "tars"),
         "torch_dataset": (views,),
+        "torch_render_stream": (renderer, lambda rng, count: np.tile(pose, (count, 1, 1))),
+        "torch_renders": (renderer, pose),
+        "torch_stream": (views, 2),
         "verify": (views.store,),
         "render_file": {
             "scene": scene_file, "outputs": [csv], "eyes": [folder / "bug.eye"],

@@ -75,6 +75,10 @@ assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
 assert f"{math.degrees(fly.width_rad()):.1f}" == "2.2"
 assert len(omma.load_eye("head.csv")) == len(head)
 """,
+    "docs/learning.md": """
+assert batch["response"].shape == (16, 200, 3) and batch["yaw_deg"].shape == (16,)
+assert (out == responses).all() and out.any()
+""",
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
     "docs/motion-detection.md": """
 assert left < 0 < right
@@ -118,7 +122,7 @@ count = 40
 """
 
 # Pages whose snippets need a package that is not one of all tests.
-NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco"}
+NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco", "docs/learning.md": "torch"}
 
 # Pages whose snippets are not run, and why.
 SNIPPETS_NOT_RUN: dict[str, str] = {}
