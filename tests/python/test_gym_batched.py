@@ -106,6 +106,11 @@ def test_all_at_once_are_single_ones_to_the_bit(walker, frames):
         if step in (40, 60):
             one, other = together.reset(), in_turn.reset()
             continue
+        if step % 7 == 3 and step < 60:
+            mask = np.arange(6) < 1 + step % 6
+            one = together.reset(options={"reset_mask": mask})
+            other = in_turn.reset(options={"reset_mask": mask})
+            continue
         actions = in_turn.action_space.sample()
         actions[:2, 1] = -1  # run into the box
         if step > 60:
@@ -238,5 +243,7 @@ def test_loops_that_cannot_be(walker):
     envs.reset(seed=0)
     with pytest.raises(omma.Error, match="actions: expected one array of 2 actions"):
         envs.step(envs.action_space.sample())
+    with pytest.raises(omma.Error, match=r"expected a reset\(\) of all before"):
+        omma.gym.eye_vector_env(loop_of(walker), 2).reset(options={"reset_mask": np.ones(2, bool)})
     with pytest.raises(omma.Error, match=r"step: expected reset\(\) before it"):
         omma.gym.eye_env(loop_of(walker)).step(np.zeros(2, np.float32))

@@ -98,7 +98,11 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         seed: int | list[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Responses, dict[str, Any]]:
-        """Start all episodes: a seed is the first one's, which the others count on from."""
+        """Start all episodes: a seed is the first one's, which the others count on from. With
+        ``options={"reset_mask": mask}``, (K,) of bool, those where it is True alone; the others
+        stay where they are."""
+        if options is not None and "reset_mask" in options:
+            return self._begun(options["reset_mask"], seed)
         self._rngs = self._seeded(seed)
         self._over = np.zeros(self.num_envs, bool)
         return self._seen(self._episodes.begin(self._rngs))
@@ -113,6 +117,25 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         rewards, ended, cut_off = self._episodes.judged()
         self._over = ended | cut_off
         return observations, rewards, ended, cut_off, infos
+
+    def _begun(
+        self, mask: Any, seed: int | list[int | None] | None
+    ) -> tuple[Responses, dict[str, Any]]:
+        chosen = np.asarray(mask)
+        if chosen.dtype != np.bool_ or chosen.shape != (self.num_envs,) or not chosen.any():
+            raise Error(
+                f"reset_mask: expected an array ({self.num_envs},) of bool, True somewhere, found "
+                f"{chosen.dtype} {chosen.shape}"
+            )
+        if seed is not None:
+            raise Error("seed: is for a reset of all, without a reset_mask")
+        which = np.flatnonzero(chosen)
+        where = self._episodes.begin_some(which, self._rngs)
+        observations = self._episodes.see_some(which, see_poses(self.loop, self._limits, where))
+        self._over = self._over & ~chosen
+        poses = np.zeros((self.num_envs, 4, 4))
+        poses[which] = where[0]
+        return observations, {"pose": poses, "_pose": chosen.copy()}
 
     def _seeded(self, seed: int | list[int | None] | None) -> list[np.random.Generator]:
         count = 1 if self.loop.batched else self.num_envs

@@ -21,11 +21,14 @@ from omma.gym.loop import Floats, Loop, Moment, Responses
 from omma.gym.states import check_states, choose, merge
 
 Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
 # Poses (K, 4, 4), and where things are (K, T, 4, 4), None where a loop moves none.
 Where = tuple[Floats, Floats | None]
 # What was rendered, by the names of `Moment`: arrays (K, ...).
 Views = dict[str, Responses]
 Judged = tuple[Floats, Bools, Bools]
+
+_MASK_FIRST = "reset: expected a reset() of all before one of some"
 
 
 def episodes_of(loop: Loop, count: int) -> EpisodesInTurn | EpisodesTogether:
@@ -34,7 +37,7 @@ def episodes_of(loop: Loop, count: int) -> EpisodesInTurn | EpisodesTogether:
 
 
 class _Frames:
-    """The last frames of each environment, where observations have several."""
+    """What each environment has seen last: one frame, or several where observations have them."""
 
     def __init__(self, frames: int | None) -> None:
         self._number = frames
@@ -43,16 +46,24 @@ class _Frames:
     def add(self, responses: Responses, begun: Bools) -> Responses:
         """Observations, for the caller to keep; where an episode has begun the world is taken to
         have stood still before."""
-        if self._number is None:
-            return np.array(responses, np.float32)
-        now = responses[..., None]
-        still = np.broadcast_to(now, (*responses.shape, self._number))
-        if self._kept is None:
+        still = self._still(responses)
+        if self._number is None or self._kept is None:
             self._kept = np.array(still, np.float32)
         else:
-            self._kept = np.concatenate([self._kept[..., 1:], now], axis=-1)
+            self._kept = np.concatenate([self._kept[..., 1:], responses[..., None]], axis=-1)
             self._kept[begun] = still[begun]
         return np.array(self._kept)
+
+    def begin(self, which: Ints, responses: Responses) -> Responses:
+        """Observations of all, of whom some have begun an episode, with ``responses``."""
+        assert self._kept is not None
+        self._kept[which] = self._still(responses)
+        return np.array(self._kept)
+
+    def _still(self, responses: Responses) -> Responses:
+        if self._number is None:
+            return responses
+        return np.broadcast_to(responses[..., None], (*responses.shape, self._number))
 
 
 class EpisodesInTurn:
@@ -94,6 +105,16 @@ class EpisodesInTurn:
             self._states[k] = moved[0]
         self._begun = over
         return self._placed(returned)
+
+    def begin_some(self, which: Ints, rngs: Sequence[np.random.Generator]) -> Where:
+        """Where some start anew, while the others stay."""
+        if self._steps[0] < 0:
+            raise Error(_MASK_FIRST)
+        return self._placed([self._start(k, rngs[k]) for k in which.tolist()])
+
+    def see_some(self, which: Ints, views: Views) -> Responses:
+        """Observations of all, by what was rendered for those that have started anew."""
+        return self._frames.begin(which, views["responses"])
 
     def see(self, views: Views) -> Responses:
         """Observations, by what was rendered at these poses."""
@@ -201,6 +222,22 @@ class EpisodesTogether:
         self._poses = merge(moved[1], goes, begun[1], begins)
         things = None if moved[2] is None else merge(moved[2], goes, begun[2], begins)
         return self._poses, things
+
+    def begin_some(self, which: Ints, rngs: Sequence[np.random.Generator]) -> Where:
+        """Where some start anew, while the others stay."""
+        if self._steps is None:
+            raise Error(_MASK_FIRST)
+        states, poses, things = self._started(len(which), rngs[0])
+        stays = np.setdiff1d(np.arange(self._count), which)
+        if len(stays):
+            states = merge(choose(self._states, stays), stays, states, which)
+        self._states, self._steps = states, self._steps.copy()
+        self._steps[which] = 0
+        return poses, things
+
+    def see_some(self, which: Ints, views: Views) -> Responses:
+        """Observations of all, by what was rendered for those that have started anew."""
+        return self._frames.begin(which, views["responses"])
 
     def see(self, views: Views) -> Responses:
         """Observations, by what was rendered at these poses."""
