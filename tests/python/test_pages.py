@@ -65,7 +65,7 @@ dorsal_rim = [omma.receptors.OmmatidiumType("rim", (r7p, r7y))]
 # What a page says comes out of it.
 COMES_OUT = {
     "README.md": "assert responses.shape == errors.shape == (1, 10760, 3)",
-    "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
+    "docs/closed-loops.md": "assert observations.shape == (64, 200, 3) and responses.any()",
     "docs/datasets.md": """
 assert evening.sizes["view"] == 40 and len(views) == 80
 assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
@@ -73,6 +73,10 @@ assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
     "docs/eyes.md": """
 assert f"{math.degrees(fly.width_rad()):.1f}" == "2.2"
 assert len(omma.load_eye("head.csv")) == len(head)
+""",
+    "docs/learning.md": """
+assert batch["response"].shape == (16, 200, 3) and batch["yaw_deg"].shape == (16,)
+assert (out == responses).all() and out.any()
 """,
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
     "docs/motion-detection.md": """
@@ -117,7 +121,7 @@ count = 40
 """
 
 # Pages whose snippets need a package that is not one of all tests.
-NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco"}
+NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco", "docs/learning.md": "torch"}
 
 # Pages whose snippets are not run, and why.
 SNIPPETS_NOT_RUN: dict[str, str] = {}
@@ -148,6 +152,7 @@ NOT_RUN = {
     "OMMA_COMPAT_KERNEL=gaussian": "see above",
     "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
     "python examples/python/corridor.py": "minutes; test_corridor_example.py has it small",
+    "python examples/python/ppo_corridor.py": "minutes; test_ppo_example.py has it small",
     "python examples/python/looming_and_target.py": "a minute; test_motion_example.py has it small",
 }
 

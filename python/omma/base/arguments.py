@@ -168,6 +168,7 @@ _OWN = {
     "CaptureCameras": "omma.scene.CaptureCameras",
     "SplatCloud": "omma.scene.SplatCloud",
     "DetectorState": "omma.motion.DetectorState",
+    "EventState": "omma.photoreceptors.EventState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
     "GroundTruth": "omma.rendering.GroundTruth",
