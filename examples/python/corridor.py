@@ -116,7 +116,7 @@ class Flow:
     """What the walls do on both sides, for many flies at once."""
 
     def __init__(self, eye):
-        towards_front = omma.motion.neighbour_pairs(eye, ["p", "-q"])
+        towards_front = omma.motion.neighbour_pairs(eye, ["q", "-p"])
         self.detectors = omma.motion.detector_array(
             eye, TAU_S, RATE_HZ, pairs=towards_front, high_pass_tau_s=HIGH_PASS_TAU_S
         )

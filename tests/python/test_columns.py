@@ -54,11 +54,11 @@ def test_a_regular_lattice_looks_where_its_names_say(side, front):
     columns = omma.columns.hexal_columns(3, SPACING, towards, side=side, front=front)
     place = {(p, q): axis for p, q, axis in zip(columns.p, columns.q, columns.axis)}
     assert place[0, 0] == pytest.approx(towards, abs=1e-12)
-    # +p + q is dorsal, p - q to the front, whichever way pictures show it.
+    # p + q is dorsal, q - p to the front, whichever way pictures show it.
     assert place[2, 2][1] > place[0, 0][1] + 0.1
     assert place[1, 0][1] > 0
     assert place[0, 1][1] > 0
-    front_deg, _ = omma.eye.azimuth_elevation_deg_of(np.array([place[1, -1], place[-1, 1]]))
+    front_deg, _ = omma.eye.azimuth_elevation_deg_of(np.array([place[-1, 1], place[1, -1]]))
     assert abs(front_deg[0]) < 60 < abs(front_deg[1])
     # The six neighbours of the middle are the spacing away.
     for step in ((1, 0), (0, 1), (1, 1), (-1, 0), (0, -1), (-1, -1)):
@@ -73,7 +73,7 @@ def test_columns_of_an_eye_agree_with_its_lattice(fly):
     pairs = omma.columns.column_pairs(columns, ["p"])
     # The ommatidium of the second is the neighbour of the first's in direction p, but at edges and
     # faults, where few are neighbours.
-    assert (found.neighbours[ommatidium[pairs[:, 0]], 1] == ommatidium[pairs[:, 1]]).mean() > 0.9
+    assert (found.neighbours[ommatidium[pairs[:, 0]], 5] == ommatidium[pairs[:, 1]]).mean() > 0.9
     dorsal = omma.columns.column_pairs(columns, ["v"])
     rise = columns.axis[dorsal[:, 1], 1] - columns.axis[dorsal[:, 0], 1]
     near = np.abs(columns.axis[dorsal[:, 0], 1]) < 0.7
@@ -309,7 +309,7 @@ def test_motion_on_hexals_goes_the_way_of_the_world(lattice):
     stripes = np.array([[[0.2, 0.2, 0.2], [0.8, 0.8, 0.8]]])
     world = omma.World(omma.scene.drum(1.0, 3.0, stripes, repeats=12))
     renderer = omma.Renderer(world, eye, omma.Fixed(8))
-    pairs = omma.columns.column_pairs(lattice, ["p", "-q"])  # both to the front
+    pairs = omma.columns.column_pairs(lattice, ["q", "-p"])  # both to the front
     detectors = omma.motion.detector_array(eye, 0.035, 100, pairs=pairs, high_pass_tau_s=0.25)
     azimuth_deg = 120 * np.arange(60) / 100  # to the right: to the back, in the right eye
     turns = np.stack([omma.look_at((0, 0, 0), omma.eye.direction(a, 0)) for a in azimuth_deg])

@@ -9,7 +9,7 @@ import omma
 from omma.eye import hexagonal_coordinates
 from omma.eye.hexagonal import NO_COORDINATE
 
-STEPS = np.array([[1, 1], [1, 0], [0, -1], [-1, -1], [-1, 0], [0, 1]])
+STEPS = np.array([[1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1], [1, 0]])
 COLUMN = {name: k for k, name in enumerate(omma.eye.hexagonal.DIRECTIONS)}
 
 
@@ -24,8 +24,8 @@ def upright(centre_deg=60.0):
     p, q = (c.ravel() for c in np.mgrid[-9:10, -9:10])
     inside = np.abs(p + q) <= 9
     p, q = p[inside], q[inside]
-    # In a right eye the front is to the left: azimuth falls. v = p + q, h = p - q.
-    return eye_of(centre_deg - np.sqrt(3) * (p - q), 1.0 * (p + q)), p, q
+    # In a right eye the front is to the left: azimuth falls. v = p + q, h = q - p.
+    return eye_of(centre_deg - np.sqrt(3) * (q - p), 1.0 * (p + q)), p, q
 
 
 @cache
@@ -85,10 +85,10 @@ def test_directions_are_what_they_are_called(by):
     sideways, up = steps("v")
     np.testing.assert_allclose(sideways, 0, atol=1e-4)
     np.testing.assert_allclose(up, 2, atol=1e-4)
-    to_front, up = steps("p")
+    to_front, up = steps("q")
     np.testing.assert_allclose(to_front, -np.sqrt(3), atol=1e-4)
     np.testing.assert_allclose(up, 1, atol=1e-4)
-    to_back, up = steps("q")
+    to_back, up = steps("p")
     np.testing.assert_allclose(to_back, np.sqrt(3), atol=1e-4)
     np.testing.assert_allclose(up, 1, atol=1e-4)
 
@@ -117,7 +117,7 @@ def test_horizontal_rows():
     azimuth, elevation = omma.eye.azimuth_elevation_deg_of(eye.axis)
     np.testing.assert_allclose(azimuth[front[has]] - azimuth[has], -2, atol=1e-4)
     np.testing.assert_allclose(elevation[front[has]], elevation[has], atol=1e-4)
-    assert np.array_equal(front, found.neighbours[:, COLUMN["p"]])
+    assert np.array_equal(front, found.neighbours[:, COLUMN["q"]])
 
 
 def test_a_hole_is_passed_around():

@@ -16,7 +16,7 @@ SIZE = 12
 EXCITATION = ImpulseResponse.howard(10.3e-3, 0.236)
 INHIBITION = ImpulseResponse.howard(15.6e-3, 0.269)
 # Steps in rows p and q, in the order of omma.eye.hexagonal.DIRECTIONS.
-STEPS = [(1, 1), (1, 0), (0, -1), (-1, -1), (-1, 0), (0, 1)]
+STEPS = [(1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1), (1, 0)]
 
 
 def torus():

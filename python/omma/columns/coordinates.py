@@ -56,8 +56,8 @@ def uv_from_pq(p: ArrayLike, q: ArrayLike, front: Front = "right") -> tuple[Ints
     """Axial coordinates (u, v) of hexals, of columns (p, q).
 
     In flyvis' pictures u points down and v to the right and down, so that the dorsal direction,
-    p + q, is -u. With the front on the right, p (dorsal and to the front) points to the right and
-    up: u = -p, v = p - q. With the front on the left u = -q, v = q - p.
+    p + q, is -u. With the front on the right, q (dorsal and to the front) points to the right and
+    up: u = -q, v = q - p. With the front on the left u = -p, v = p - q.
 
     Args:
         front: where the front of the eye lies in the picture. The preferred directions of flyvis'
@@ -74,7 +74,7 @@ def uv_from_pq(p: ArrayLike, q: ArrayLike, front: Front = "right") -> tuple[Ints
     p_, q_ = _pair(p, q, "p", "q")
     if one_of(front, ("right", "left"), "front") == "left":
         p_, q_ = q_, p_
-    return -p_, p_ - q_
+    return -q_, q_ - p_
 
 
 @checked
@@ -85,7 +85,7 @@ def pq_from_uv(u: ArrayLike, v: ArrayLike, front: Front = "right") -> tuple[Ints
         omma.Error: they are no whole numbers, not as many of both, or another word for ``front``.
     """
     u_, v_ = _pair(u, v, "u", "v")
-    p, q = -u_, -u_ - v_
+    q, p = -u_, -u_ - v_
     return (p, q) if one_of(front, ("right", "left"), "front") == "right" else (q, p)
 
 

@@ -71,7 +71,7 @@ def eye_of_columns(columns: Columns, acceptance_angle_rad: ArrayLike) -> Eye:
 
 
 @checked
-def column_pairs(columns: Columns, rows: Sequence[str] = ("v", "p", "-q")) -> Ints:
+def column_pairs(columns: Columns, rows: Sequence[str] = ("v", "q", "-p")) -> Ints:
     """Neighbouring columns of an eye as ordered pairs (E, 2), row after row: for
     `omma.motion.detector_array`.
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of, checked, one_of, positive
+from omma.base.arguments import array_of, checked, one_of, positive, within
+from omma.base.srgb import srgb_of_linear
 from omma.columns.coordinates import Front, hexals, pq_from_uv, uv_from_pq
 from omma.columns.lattice import Columns, expect_columns
 
@@ -123,3 +124,59 @@ def to_hexals(
     if len(missing):
         found[..., missing] = fill
     return found
+
+
+@checked
+def flyvis_movie(
+    light: ArrayLike,
+    columns: Columns,
+    *,
+    white: float = 1.0,
+    radius: int = 15,
+    middle: tuple[int, int] = (0, 0),
+    front: Front = "right",
+    fill: float | None = None,
+) -> NDArray[np.float32]:
+    """Light of columns as flyvis' networks take it: grey levels 0 to 1 of hexals, as of a picture.
+
+    Flyvis was trained on the grey levels of 8-bit pictures over 255 (its Sintel data set), thus on
+    values behind the curve of sRGB; so linear light over ``white`` is clipped to 0 to 1 and goes
+    through that curve (IEC 61966-2-1).
+
+    Args:
+        light: (T, M) frames, or (S, T, M) samples of frames: linear light of the columns of one
+            eye, as r1_6 of a `PhotoreceptorTable`.
+        white: the light that is white, 1.
+        radius, middle, front: as of `to_hexals`.
+        fill: grey level, 0 to 1, of hexals without a column, and where light is NaN; None: they
+            are an error.
+
+    Returns:
+        float32 (S, T, 1, 1 + 3 radius (radius + 1)), contiguous, for ``Network.simulate``.
+
+    Example:
+        >>> columns = omma.columns.hexal_columns(15, 0.08, (1, 0, 0))
+        >>> movie = omma.columns.flyvis_movie(np.full((4, 721), 0.2140), columns)
+        >>> movie.shape, float(movie[0, 0, 0, 0].round(3))
+        ((1, 4, 1, 721), 0.5)
+
+    Raises:
+        omma.Error: as of `to_hexals`, a white or fill out of its range, light that is NaN.
+    """
+    given = array_of(light, "light")
+    if given.ndim not in (2, 3) or given.shape[-1] != len(columns):
+        raise Error(
+            f"light: expected shape (T, M) or (S, T, M) with M = {len(columns)}, found "
+            f"{given.shape}"
+        )
+    shade = None if fill is None else within(fill, "fill", 0, 1)
+    relative = np.clip(given / positive(white, "white"), 0, 1)
+    made = to_hexals(
+        srgb_of_linear(relative)[..., None], columns, radius, middle=middle, front=front, fill=shade
+    )
+    unknown = np.isnan(made)
+    if unknown.any():
+        if shade is None:
+            raise Error("light: expected numbers, found NaN, or a grey level to fill in (fill=)")
+        made[unknown] = shade
+    return made

@@ -21,8 +21,8 @@ class Columns:
     """M medulla columns with their viewing directions; no two of an eye have the same (p, q).
 
     Attributes:
-        p, q: (M,), hexagonal coordinates: in the eye of a fly +p leads dorsal and to the front, +q
-            dorsal and to the back, p + q dorsal; the six next to a column are one step along p, q
+        p, q: (M,), hexagonal coordinates: in the eye of a fly +p leads dorsal and to the back, +q
+            dorsal and to the front, p + q dorsal; the six next to a column are one step along p, q
             or both together away. Left and right eyes are mirror images.
         side: (M,), -1 in the left eye, 1 in the right one.
         axis: (M, 3), directions in the head's frame: +X right, +Y up, -Z ahead.

@@ -88,12 +88,10 @@ def load_columns(
     turn = _turn(xyz)
     sign = 1 if one_of(azimuth_grows, ("right", "left"), "azimuth_grows") == "right" else -1
     given_side = 0 if side is None else _SIDES[one_of(side, ("left", "right"), "side")]
-    rows = list(_csv_rows(path) if name.lower().endswith(".csv") else _json_rows(path))
-    if not rows:
-        raise Error(f"{name}: expected at least one row, found none")
+    rows = rows_of_table(path)
     called = _called(rows[0][1], name, given_side)
     numbers = {key: _numbers(rows, word) for key, word in called.items() if key != "side"}
-    p, q = _coordinates(rows, called, numbers)
+    p, q = _coordinates(rows, called)
     if given_side:
         sides = np.full(len(rows), given_side)
     else:
@@ -117,6 +115,26 @@ def load_columns(
         )
     _check(rows, p, q, sides, axis)
     return Columns(p, q, sides, axis, tuple(sorted(called.items())))
+
+
+def rows_of_table(path: PathLike) -> Rows:
+    """The rows of a .csv or .json table, each with where it is in the file; at least one."""
+    check_ending(path, ".csv", ".json")
+    name = os.fsdecode(path)
+    rows = list(_csv_rows(path) if name.lower().endswith(".csv") else _json_rows(path))
+    if not rows:
+        raise Error(f"{name}: expected at least one row, found none")
+    return rows
+
+
+def whole_numbers(rows: Rows, word: str) -> Ints:
+    """The whole numbers (K,) of one column of a table's rows."""
+    numbers = _numbers(rows, word)
+    wrong = np.flatnonzero((numbers % 1 != 0) | (np.abs(numbers) > 2**31))
+    if len(wrong):
+        found = numbers[wrong[0]]
+        raise Error(f"{rows[wrong[0]][0]}, {word}: expected a whole number, found {found:g}")
+    return numbers.astype(np.int64)
 
 
 def _plain(word: str) -> str:
@@ -232,18 +250,9 @@ def _numbers(rows: Rows, word: str) -> Floats:
     return found
 
 
-def _coordinates(
-    rows: Rows, called: Mapping[str, str], numbers: Mapping[str, Floats]
-) -> tuple[Ints, Ints]:
+def _coordinates(rows: Rows, called: Mapping[str, str]) -> tuple[Ints, Ints]:
     pair = ("p", "q") if "p" in called else ("hex1", "hex2")
-    for key in pair:
-        wrong = np.flatnonzero((numbers[key] % 1 != 0) | (np.abs(numbers[key]) > 2**31))
-        if len(wrong):
-            found = numbers[key][wrong[0]]
-            raise Error(
-                f"{rows[wrong[0]][0]}, {called[key]}: expected a whole number, found {found:g}"
-            )
-    one, other = (numbers[key].astype(np.int64) for key in pair)
+    one, other = (whole_numbers(rows, called[key]) for key in pair)
     return (one, other) if "p" in called else pq_from_hex(one, other)
 
 

@@ -27,9 +27,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 # What neighbours are called, in the order of their columns: from the dorsal one over the front.
-DIRECTIONS = ("v", "p", "-q", "-v", "-p", "q")
-# Steps in p and q to each of them; v = p + q (h = p - q leads between p and -q, to the front).
-_STEPS = np.array([[1, 1], [1, 0], [0, -1], [-1, -1], [-1, 0], [0, 1]])
+DIRECTIONS = ("v", "q", "-p", "-v", "-q", "p")
+# Steps in p and q to each of them; v = p + q (h = q - p leads between q and -p, to the front).
+_STEPS = np.array([[1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1], [1, 0]])
 # Coordinate of an ommatidium that has none.
 NO_COORDINATE = -(2**31)
 
@@ -51,16 +51,16 @@ class HexagonalCoordinates:
     """Where each of N ommatidia is in the lattice of its eye.
 
     Directions are anatomical, the same for left and right eyes, whose coordinates are mirror
-    images: in an eye of vertical rows, as a fly's, +v is dorsal, +p dorsal and to the front, +q
-    dorsal and to the back; in an eye of horizontal rows +p is to the front, +v dorsal and to the
-    front, +q dorsal and to the back. Rows p, q and v are named as by Zhao et al. 2025 (Nature,
-    doi:10.1038/s41586-025-09276-5), with v = p + q, and h = p - q towards the front.
+    images: in an eye of vertical rows, as a fly's, +v is dorsal, +q dorsal and to the front, +p
+    dorsal and to the back; in an eye of horizontal rows +q is to the front, +v dorsal and to the
+    front, +p dorsal and to the back. Rows p, q, v = p + q and h = q - p, to the front, count as
+    those of Zhao et al. 2025 (Nature, doi:10.1038/s41586-025-09276-5).
 
     Attributes:
         p, q: (N,), 0 in the middle of each eye; `NO_COORDINATE` where there is none: at faults of
             the lattice, where it was not reached, or where another has the same coordinates already
             (behind a fault, where a row begins or ends).
-        neighbours: (N, 6), ommatidia in the directions v, p, -q, -v, -p, q (`DIRECTIONS`); -1 at
+        neighbours: (N, 6), ommatidia in the directions v, q, -p, -v, -q, p (`DIRECTIONS`); -1 at
             edges and faults. Mutual: the neighbour's neighbour in the opposite direction, three
             columns on, is the ommatidium itself.
         fault: (N,), inner ommatidia that have not six neighbours.

@@ -20,7 +20,7 @@ Ints = NDArray[np.int64]
 @checked
 def neighbour_pairs(
     eye: Eye,
-    rows: Sequence[str] = ("v", "p", "-q"),
+    rows: Sequence[str] = ("v", "q", "-p"),
     *,
     by: Literal["surface", "direction"] = "surface",
 ) -> Ints:
@@ -36,7 +36,7 @@ def neighbour_pairs(
 
     Example:
         >>> eye = omma.eye.generate_eye(200)
-        >>> pairs = omma.motion.neighbour_pairs(eye, ["p", "-q"])
+        >>> pairs = omma.motion.neighbour_pairs(eye, ["q", "-p"])
         >>> pairs.shape[1]
         2
 

@@ -15,6 +15,7 @@ from .animals import (
 )
 from .facts import Fact, Source, Species, facts, facts_text, sources
 from .growing import build
+from .measured import measured_drosophila
 
 __all__ = [
     "Fact",
@@ -33,6 +34,7 @@ __all__ = [
     "honeybee_drone",
     "honeybee_worker",
     "make",
+    "measured_drosophila",
     "melophorus",
     "names",
     "sources",
