@@ -266,7 +266,10 @@ def draw(path, network, misses, directions_deg, of_gratings, of_edges, seconds):
             )
             one.set_xticks(np.radians([0, 90, 180, 270]), ["right", "up", "left", "down"])
             one.tick_params(labelsize=8)
-        row[1].legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4, frameon=False)
+        below = row[1].legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4, frameon=False
+        )
+        below.set_in_layout(False)  # it may be wider than the panel
     right.suptitle("Mean rates to what was not shown while learning, by direction", fontsize=10)
     figure.savefig(path, dpi=110)
 
