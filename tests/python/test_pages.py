@@ -153,6 +153,7 @@ NOT_RUN = {
     "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
     "python examples/python/corridor.py": "minutes; test_corridor_example.py has it small",
     "python examples/python/ppo_corridor.py": "minutes; test_ppo_example.py has it small",
+    "python examples/python/t4t5.py": "minutes; test_t4t5_example.py has it small",
     "python examples/python/looming_and_target.py": "a minute; test_motion_example.py has it small",
 }
 
