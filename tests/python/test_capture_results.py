@@ -94,6 +94,7 @@ def test_with_standard_errors_and_to_an_error(folder):
         assert np.array_equal(data.standard_error.values, truth.standard_error)
     target = omma.ToError(0.05, most=64)
     report = render(("t.nc", "t.npy"), target)
+    assert "rays" in dict(describe_file("t.nc"))
     plain = omma.render_file("scene.gltf", "plain.nc", target, eyes="bug.csv", path="path.csv")
     assert (report.rays, report.spent) == (plain.rays, plain.spent)
     data, without = (omma.rendering.load_responses(one) for one in ("t.nc", "plain.nc"))

@@ -318,6 +318,58 @@ def test_ants_in_the_meadow_are_above_its_ground(on):
         assert 0.5 * HEIGHT_M < clear.min() <= clear.max() < 2 * HEIGHT_M
 
 
+def moss(tilt_deg, count=12_000):
+    """Flat splats, opaque but for 5 %, on the plane through the origin that rises along -Z."""
+    rng = np.random.default_rng(5)
+    at = np.column_stack([rng.uniform(-1, 1, count), np.zeros(count), rng.uniform(-1, 1, count)])
+    half = np.radians(tilt_deg) / 2
+    turn = omma.poses_from_angles((0, 0, 0), (0, tilt_deg, 0))[0, :3, :3]
+    return omma.Scene(
+        splats=[
+            solids.SplatCloud(
+                at @ turn.T,
+                np.tile((0.03, 1e-5, 0.03), (count, 1)),
+                np.tile((np.sin(half), 0, 0, np.cos(half)), (count, 1)),
+                np.full(count, 0.95),
+                np.zeros((count, 1, 3)),
+                name="moss",
+            )
+        ]
+    )
+
+
+@pytest.mark.parametrize("on", [(), ("moss",)])
+def test_on_gaussian_splats_by_where_half_of_the_light_is(world_of, on):
+    """Splats are as thick as the engine takes them, 1e-4 of their size: heights are within 10 um,
+    on legs 6 cm apart."""
+    world = world_of(moss(12.0), solids.plane((4, 4), center_m=(0, -2, 0)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        poses = place_on(
+            world, [(0.1, 0.2), (-0.3, 0.1)], height_m=0.03, heading_deg=[0, 90], on=on
+        )
+    assert_rigid(poses)
+    _, pitch, roll = angles_deg(poses)
+    assert pitch == pytest.approx([12, 0], abs=0.02)
+    assert roll == pytest.approx([0, 12], abs=0.02)  # the left, towards -Z, is higher
+    up = np.array([0, np.cos(np.radians(12)), np.sin(np.radians(12))])
+    assert poses[:, :3, 3] @ up == pytest.approx(0.03, abs=1e-4)
+    there = ground_at(world, poses)
+    assert there.height_m == pytest.approx(0.03 / np.cos(np.radians(12)), abs=1e-4)
+    assert np.isnan(there.slope_deg).all()
+    assert np.isnan(there.climb_deg).all()
+
+
+def test_upright_on_a_splat_that_no_leg_reaches(world_of):
+    one = solids.SplatCloud(
+        [(0, 0, 0)], [(0.001, 0.001, 0.001)], [(0, 0, 0, 1)], [1.0], np.zeros((1, 1, 3))
+    )
+    with pytest.warns(UserWarning, match="6 of 6 legs reach no ground"):
+        pose = place_on(world_of(omma.Scene(splats=[one])), (0, 0), height_m=0.01)[0]
+    assert pose[:3, :3] == pytest.approx(np.eye(3))
+    assert pose[1, 3] == pytest.approx(0.01, abs=0.002)
+
+
 @pytest.mark.parametrize(
     ("match", "arguments"),
     [

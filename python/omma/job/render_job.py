@@ -121,8 +121,7 @@ class RenderJob:
             raise Error("capture_cameras: is for responses of ommatidia, not of receptors")
         if isinstance(self.settings.sampling, Shared):
             raise Error(
-                "capture_cameras: expected rays of each ommatidium's own (omma.Fixed or "
-                f"omma.ToError), found {self.settings.sampling}"
+                "capture_cameras: expected rays of each ommatidium's own, found shared ones"
             )
         names = [os.fsdecode(one) for one in self.several_outputs]
         if names and all(one.lower().endswith((".png", ".mp4")) for one in names):

@@ -128,7 +128,8 @@ def _range(values: xarray.DataArray) -> str:
     for begin in range(0, values.sizes[first], count):
         piece = values[begin : begin + count].values
         piece = piece[~np.isnan(piece)]
-        low, high = min(low, piece.min(initial=np.inf)), max(high, piece.max(initial=-np.inf))
+        if piece.size:
+            low, high = min(low, float(piece.min())), max(high, float(piece.max()))
         total, there = total + float(piece.sum(dtype=np.float64)), there + piece.size
     if there == 0:
         return "no number"

@@ -84,6 +84,7 @@ def standing(below: Below, points: Floats, yaw: Floats) -> tuple[Floats, Floats,
     up[is_flat] = flat[is_flat]
     own = ~is_plane
     foot[own], up[own] = height[own, 0], normal[own, 0]
+    up[own & ~normal[:, 0].any(axis=1)] = 0, 1, 0  # upright on a splat
     return np.fmax(foot, height[:, 0]), up, is_found
 
 
@@ -121,7 +122,8 @@ def _one_plane(
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """The mean normal (P, 3) of the grounds (P, L), and whether all lie in one plane with it, to
     within ``error_m`` (P,): triangles know it to more digits than heights that rays have rounded,
-    where a stance is small and far from the origin."""
+    where a stance is small and far from the origin. Splats have no normals, and so no such plane.
+    """
     on = np.isfinite(height)
     number = np.maximum(on.sum(axis=1), 1)
     all_normals = np.where(on[:, :, None], normal, 0)
@@ -133,7 +135,8 @@ def _one_plane(
     steep = np.maximum(mean[:, 1:2], 1e-6)
     offset = height + (mean[:, 0:1] * x + mean[:, 2:3] * z) / steep
     spread = np.where(on, offset, -np.inf).max(axis=1) - np.where(on, offset, np.inf).min(axis=1)
-    return mean, (apart <= _SAME_NORMAL) & (spread <= 2 * error_m)
+    is_known = np.linalg.norm(mean, axis=1) > 0.5  # else 0: those of one plane are of length 1
+    return mean, is_known & (apart <= _SAME_NORMAL) & (spread <= 2 * error_m)
 
 
 def _bounds_of(world: World) -> Floats | None:

@@ -40,11 +40,13 @@ def place_on(
     through the ground under its legs (least squares), its yaw is the heading, and the head is
     ``height_m`` above, along the plane's normal. Where the ground in the middle is higher than
     that plane, the head is above the ground. Rays go straight down to find all that, with things
-    of a world where they are now; surfaces that face down and are single-sided are no ground.
+    of a world where they are now; surfaces that face down and are single-sided are no ground. Among
+    Gaussian splats the ground is where half of a ray's light is reached.
 
     A leg reaches up and down, from the ground in the middle, by twice the distance of the farthest
     leg from it; one that finds no ground there, as over an edge, is left out. With fewer than three
-    legs on the ground, or all in a line, the body stands by the normal of the ground in the middle.
+    legs on the ground, or all in a line, the body stands by the normal of the ground in the middle,
+    upright on splats, which have none.
     A hole that more than half of the legs stand around is bridged.
 
     Args:
@@ -140,9 +142,9 @@ class GroundAt:
     height_m: Floats
     """(P,), of the head above the ground straight below it."""
     slope_deg: Floats
-    """(P,), of that ground: 0 is level, 90 a wall."""
+    """(P,), of that ground: 0 is level, 90 a wall; NaN on Gaussian splats: they have no normals."""
     climb_deg: Floats
-    """(P,), of that ground along the heading: above 0 uphill."""
+    """(P,), of that ground along the heading: above 0 uphill; NaN where the slope is."""
     ahead_m: Floats
     """(P,), from the head to the first surface straight ahead of it, where the head looks;
     infinite where nothing is."""
@@ -180,6 +182,7 @@ def ground_at(
     start = heads[:, :3, 3]
     down, step = ray_bundle(world, [[0, -1, 0]]), rounding_m(world, start)
     met, normal = first_below(down, start, step, on)
+    normal[~normal.any(axis=1)] = np.nan  # of splats, which have none
     height = start[:, 1] - met
     _tell(start[:, [0, 2]], np.isfinite(height), np.ones((len(heads), 0), np.bool_))
     forward = -heads[:, :3, 2]
