@@ -75,6 +75,10 @@ assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
 assert f"{math.degrees(fly.width_rad()):.1f}" == "2.2"
 assert len(omma.load_eye("head.csv")) == len(head)
 """,
+    "docs/fly-columns.md": """
+assert table.r1_6.shape == (1, 1696) and movie.shape == (1, 3, 1, 721)
+assert data.sizes["column"] == 1696
+""",
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
     "docs/motion-detection.md": """
 assert left < 0 < right
