@@ -14,6 +14,7 @@ import omma
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.figures import COLOURS, GREY, INK
 from omma.photoreceptors import (
+    EventSensor,
     ImpulseResponse,
     displace_axes,
     filter_frames,
@@ -288,6 +289,54 @@ def microsaccades() -> None:
     save(figure, "microsaccades")
 
 
+def events() -> None:
+    """What is told of a sine, how often of a ramp, and when a bar passes a row of ommatidia."""
+    figure, panels = plt.subplots(1, 3, figsize=(11, 3.3))
+    polarities = ((1, COLOURS[1], "ON"), (-1, COLOURS[0], "OFF"))
+    time = np.arange(0, 1, 1e-3)
+    signal = 0.8 * np.sin(2 * np.pi * 2 * time)
+    told = EventSensor(0.25).run(np.exp(signal)[:, None], time)
+    kept = 0.25 * np.cumsum(told["polarity"])
+    panels[0].plot(time, signal, color=INK, lw=1.4, label="ln light")
+    panels[0].step(np.r_[0, told["time_s"], 1], np.r_[0, kept, kept[-1]], where="post",
+                   color=GREY, lw=1, label="at the last event")  # fmt: skip
+    for polarity, color, label in polarities:
+        own = told["polarity"] == polarity
+        panels[0].plot(told["time_s"][own], kept[own], "o", ms=4, color=color, label=label)
+    panels[0].set_ylim(-0.9, 1.6)
+    style(panels[0], "A sine, thresholds of 0.25", "time (s)", "logarithm of light")
+    legend(panels[0], loc="upper right", ncols=2)
+    slopes = np.geomspace(0.5, 200, 100)
+    for refractory_s, color in ((0.0, GREY), (0.002, COLOURS[0]), (0.02, COLOURS[1])):
+        label = f"in reset for {1e3 * refractory_s:g} ms"
+        panels[1].loglog(slopes, 1 / (0.25 / slopes + refractory_s), color=color, lw=1.4)
+        sensor = EventSensor(0.25, refractory_s=refractory_s)
+        dots = np.geomspace(0.5, 200, 9)
+        rates = []
+        for slope in dots:
+            lasts = 40 * (0.25 / slope + refractory_s)
+            ramp = np.exp(slope * np.linspace(0, lasts, 50) - slope * lasts / 2)
+            told = sensor.run(ramp[:, None], np.linspace(0, lasts, 50))
+            rates.append(1 / np.diff(told["time_s"]).mean())
+        panels[1].plot(dots, rates, "o", ms=4, color=color, label=label)
+    style(panels[1], "Ramps: dots on 1/(C/s + reset)", "slope of ln light (per s)", "events per s")
+    legend(panels[1], loc="upper left")
+    azimuth = np.arange(-40, 41, 2)
+    eye = omma.Eye(np.zeros((len(azimuth), 3)), omma.eye.direction(azimuth, 0), np.radians(4.0))
+    bar = omma.stimuli.Bar(15.0, bar=0.9, background=0.1)
+    time = np.arange(-0.8, 0.8, 2e-3)
+    poses = np.stack([omma.look_at((0, 0, 0), omma.eye.direction(60 * t, 0)) for t in time])
+    light = omma.Renderer(bar.world(), eye, omma.Fixed(64)).render(poses)[:, :, 1]
+    told = EventSensor(0.4, refractory_s=0.002).run(light, time)
+    for polarity, color, label in polarities:
+        own = told["polarity"] == polarity
+        at = azimuth[told["ommatidium"][own]]
+        panels[2].plot(told["time_s"][own], at, ".", ms=3, color=color, label=label)
+    style(panels[2], "A head turns past a bright bar, 60°/s", "time (s)", "azimuth (°)")
+    legend(panels[2], loc="upper right", markerscale=3)
+    save(figure, "events")
+
+
 if __name__ == "__main__":
-    for make in (responses, filters, noise, static, dynamic, monopolar, microsaccades):
+    for make in (responses, filters, noise, static, dynamic, monopolar, events, microsaccades):
         make()

@@ -107,6 +107,10 @@ struct RenderSettings {
   // function's modulation transfer stays within 0.01.
   bool footprints = true;
   Noise noise = Noise::frozen;  // only frozen with Shared, whose rays are fixed to the head
+  // Of a population: how many ommatidia each of its eyes has, which stand one eye behind the other.
+  // Each eye is rendered as if it were alone, at poses of its own: poses are [pose][eye]. Only with
+  // Fixed rays, while nothing moves. Empty: all ommatidia are of one head.
+  std::vector<std::int32_t> eye_sizes = {};
   // What photoreceptors make of time: how long before a frame light falls on them that counts in
   // it, s, as quantiles at equal steps of probability, from the least to the greatest. Each ray
   // draws a delay and is sent from where the head was then. Empty: frames are instants.
@@ -207,13 +211,20 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  // Responses [pose, ommatidium, band], linear float32, for poses `world_from_head`. Safe to
+  // Responses [pose, ommatidium, band], linear float32, for poses `world_from_head`, which of a
+  // population are [pose, eye]. Safe to
   // call from several threads. The same inputs and seed give the same bits whatever the number of
   // threads. Throws omma::Error on an output of the wrong size, a pose that is not invertible or
   // starts rays over 1e18 m from the scene, and while things are being moved in the world;
   // omma::Cancelled when the progress callback says so.
   void render(std::span<const Mat4> world_from_head, std::span<float> responses,
               const RenderCall& call = {}) const;
+
+  // Where the rays look whose radiance is RenderCall::ray_radiance of as many poses from frame
+  // `first_pose` on: unit, in the world, [pose, ommatidium, sample, x y z]. Of heads that rest
+  // while a frame lasts. Throws as render does.
+  void ray_directions(std::span<const Mat4> world_from_head, std::uint64_t first_pose,
+                      std::span<float> directions) const;
 
   // A scene is traced in single precision relative to an origin near it, so that it may lie
   // anywhere; but in one of many kilometres, or from very far, rays and surfaces are placed less

@@ -26,6 +26,7 @@ from .eye.files import load_eye, save_eye
 from .job.rendering import render_file
 from .picture.cameras import render_camera
 from .picture.files import save_png
+from .rendering.populations import Population
 from .rendering.renderer import Renderer
 from .rendering.response_files import save_responses
 from .rendering.settings import Fixed, Shared, ToError
@@ -38,6 +39,7 @@ __all__ = [
     "Error",
     "Eye",
     "Fixed",
+    "Population",
     "Renderer",
     "Scene",
     "Shared",

@@ -755,14 +755,16 @@ class SplatCloud:
 
     ``positions_m`` (N, 3) are their middles, ``scales_m`` (N, 3), m, standard deviations along
     their own axes, which ``rotations`` (N, 4), unit quaternions x, y, z, w, turn;
-    ``opacities`` (N,), 0 to 1; ``harmonics`` (N, 1, 4, 9 or 16, 3), spherical harmonics of
-    degree 0 to 3 by RGB, in the order and with the signs of Kerbl et al.: a colour is 0.5 and
-    their sum, no less than 0. ``color_space``, 'srgb' or 'linear', is that in which they were
+    ``opacities`` (N,), 0 to 1; ``harmonics`` (N, 1, 4, 9 or 16, C), spherical harmonics of
+    degree 0 to 3 by channel, in the order and with the signs of Kerbl et al.: a colour is 0.5
+    and their sum, no less than 0. Channels are RGB; ``bands_nm`` (C, 2) names others, 3 to 16
+    bands from one wavelength to another, in which a lit world sees them; one that is not lit
+    shows the first three as RGB. ``color_space``, 'srgb' or 'linear', is that in which they were
     trained and are composited; ``direction`` is what colours depend on: 'center', from where a
     ray starts to the middle of a splat, as Kerbl et al. have it, or 'ray', its own direction,
-    as Moenne-Loccoz et al. 2024 (doi:10.1145/3687934). ``white`` is the linear RGB that a
-    colour of 1 is; `omma.scene.calibrate` finds it. ``world_from_splats`` (4, 4) places them,
-    m.
+    as Moenne-Loccoz et al. 2024 (doi:10.1145/3687934). ``white`` (C,) is what a colour of 1 is
+    in linear numbers, all 1 where it is None; `omma.scene.calibrate` finds it.
+    ``world_from_splats`` (4, 4) places them, m.
 
     Raises `omma.Error`, which names the splat, where sizes do not go together or a number is
     not what it stands for.
@@ -771,7 +773,7 @@ class SplatCloud:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, positions_m: numpy.typing.ArrayLike, scales_m: numpy.typing.ArrayLike, rotations: numpy.typing.ArrayLike, opacities: numpy.typing.ArrayLike, harmonics: numpy.typing.ArrayLike, *, color_space: str = 'srgb', direction: str = 'center', white: numpy.typing.ArrayLike = (1, 1, 1), world_from_splats: numpy.typing.ArrayLike | None = None, name: str = '') -> None: ...
+    def __init__(self, positions_m: numpy.typing.ArrayLike, scales_m: numpy.typing.ArrayLike, rotations: numpy.typing.ArrayLike, opacities: numpy.typing.ArrayLike, harmonics: numpy.typing.ArrayLike, *, color_space: str = 'srgb', direction: str = 'center', white: numpy.typing.ArrayLike | None = None, bands_nm: numpy.typing.ArrayLike | None = None, world_from_splats: numpy.typing.ArrayLike | None = None, name: str = '') -> None: ...
 
     @property
     def positions_m(self, /) -> numpy.typing.NDArray[numpy.float32]:
@@ -791,7 +793,7 @@ class SplatCloud:
 
     @property
     def harmonics(self, /) -> numpy.typing.NDArray[numpy.float32]:
-        """(N, 1, 4, 9 or 16, 3)."""
+        """(N, 1, 4, 9 or 16, C)."""
 
     @property
     def color_space(self) -> str: ...
@@ -800,8 +802,12 @@ class SplatCloud:
     def direction(self) -> str: ...
 
     @property
-    def white(self, /) -> tuple[float, float, float]:
-        """Linear RGB that a colour of 1 is."""
+    def white(self, /) -> tuple[float, ...]:
+        """(C,), linear, what a colour of 1 is."""
+
+    @property
+    def bands_nm(self, /) -> tuple[tuple[float, float], ...] | None:
+        """(C, 2), nm, or None: RGB."""
 
     @property
     def world_from_splats(self, /) -> numpy.typing.NDArray[numpy.float64]:
@@ -1870,6 +1876,8 @@ class Renderer:
     def __init__(self, same_eye: Renderer, world: World) -> None: ...
 
     def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: numpy.typing.NDArray[numpy.float32] | CardSpan, standard_error: numpy.typing.NDArray[numpy.float32] | CardSpan | None, rays: numpy.typing.NDArray[numpy.int32] | None, ray_radiance: numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, moves: omma.rendering.moves.EngineMoves | None, progress: Callable[[float], object] | None) -> None: ...
+
+    def ray_directions(self, poses: numpy.typing.NDArray[numpy.float64], first_pose: int, directions: numpy.typing.NDArray[numpy.float32]) -> None: ...
 
     def precision_warning(self, poses: numpy.typing.NDArray[numpy.float64]) -> str: ...
 

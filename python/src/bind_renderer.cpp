@@ -119,6 +119,11 @@ nb::tuple sampling_tuple(const Shared& s) {
 RenderSettings settings_of(const nb::tuple& sampling, nb::dict options) {
   RenderSettings settings;
   settings.sampling = sampling_of(sampling);
+  if (options.contains("eye_sizes")) {
+    const nb::object given(options.attr("pop")("eye_sizes"));
+    if (!nb::try_cast(given, settings.eye_sizes))
+      throw Error("eye_sizes: expected whole numbers, found " + repr_of(given));
+  }
   if (options.contains("delays_s")) {
     const nb::object given(options.attr("pop")("delays_s"));
     if (!nb::try_cast(given, settings.delays_s))
@@ -164,7 +169,8 @@ void bind_renderer(nb::module_& m) {
           nb::sig("def __init__(self, *, "
                   "sampling: tuple[str, int] | tuple[str, float, int, int, float], "
                   "**options: object) -> None"),
-          "``sampling`` is ('fixed', samples), ('to_error', error, least, most, relative_error) or\n"
+          "``sampling`` is ('fixed', samples), ('to_error', error, least, most, relative_error) "
+          "or\n"
           "('shared', samples); the options are those of RenderSettings in omma/render.h.")
       .def_prop_ro(
           "sampling",
@@ -209,6 +215,18 @@ void bind_renderer(nb::module_& m) {
                    "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "
                    "moves: omma.rendering.moves.EngineMoves | None, progress: "
                    "collections.abc.Callable[[float], object] | None) -> None"))
+      .def(
+          "ray_directions",
+          [](const Renderer& renderer, const Poses& poses, std::uint64_t first_pose,
+             const RayOutput& directions) {
+            const std::span<const Mat4> world_from_head = matrices_of(poses);
+            const std::span<float> to{directions.data(), directions.size()};
+            const nb::gil_scoped_release released;
+            renderer.ray_directions(world_from_head, first_pose, to);
+          },
+          nb::arg("poses").noconvert(), nb::arg("first_pose"), nb::arg("directions").noconvert(),
+          nb::sig("def ray_directions(self, poses: numpy.typing.NDArray[numpy.float64], "
+                  "first_pose: int, directions: numpy.typing.NDArray[numpy.float32]) -> None"))
       .def(
           "precision_warning",
           [](const Renderer& renderer, const Poses& poses) {

@@ -25,20 +25,29 @@ std::vector<Vector> rows_argument(nb::handle object, const char* name) {
 
 void init(SplatCloud* self, nb::handle positions_m, nb::handle scales_m, nb::handle rotations,
           nb::handle opacities, nb::handle harmonics, nb::handle color_space, nb::handle direction,
-          nb::handle white, nb::handle world_from_splats, nb::handle name) {
+          nb::handle white, nb::handle bands_nm, nb::handle world_from_splats, nb::handle name) {
   SplatCloud made;
   made.positions = rows_argument<Vec3>(positions_m, "positions_m");
   made.scales = rows_argument<Vec3>(scales_m, "scales_m");
   made.rotations = rows_argument<Vec4>(rotations, "rotations");
   const auto opacity = float_array(opacities, "opacities", {-1});
   made.opacities.assign(opacity.data(), opacity.data() + opacity.shape(0));
-  const auto colors = float_array(harmonics, "harmonics", {-1, -1, 3});
+  if (!bands_nm.is_none()) {
+    const auto bands = double_array(bands_nm, "bands_nm", {-1, 2});
+    for (std::size_t c = 0; c < bands.shape(0); ++c)
+      made.bands_nm.push_back({bands.data()[2 * c], bands.data()[2 * c + 1]});
+  }
+  const auto channels = static_cast<std::int64_t>(channels_of(made));
+  const auto colors = float_array(harmonics, "harmonics", {-1, -1, channels});
   made.harmonics.assign(colors.data(), colors.data() + colors.size());
   made.terms = static_cast<int>(colors.shape(1));
   made.color_space = word_argument(color_spaces, color_space, "color_space");
   made.direction = word_argument(directions, direction, "direction");
-  const auto linear = float_array(white, "white", {3});
-  made.white = {linear.data()[0], linear.data()[1], linear.data()[2]};
+  made.white.assign(channels_of(made), 1.0f);
+  if (!white.is_none()) {
+    const auto linear = float_array(white, "white", {channels});
+    made.white.assign(linear.data(), linear.data() + linear.size());
+  }
   if (!world_from_splats.is_none())
     made.world_from_splats = mat4(world_from_splats, "world_from_splats");
   made.name = text_argument(name, "name");
@@ -61,30 +70,34 @@ void bind_splats(nb::module_& m) {
       "``positions_m`` (N, 3) are their middles, ``scales_m`` (N, 3), m, standard deviations "
       "along\n"
       "their own axes, which ``rotations`` (N, 4), unit quaternions x, y, z, w, turn;\n"
-      "``opacities`` (N,), 0 to 1; ``harmonics`` (N, 1, 4, 9 or 16, 3), spherical harmonics of\n"
-      "degree 0 to 3 by RGB, in the order and with the signs of Kerbl et al.: a colour is 0.5 and\n"
-      "their sum, no less than 0. ``color_space``, 'srgb' or 'linear', is that in which they were\n"
+      "``opacities`` (N,), 0 to 1; ``harmonics`` (N, 1, 4, 9 or 16, C), spherical harmonics of\n"
+      "degree 0 to 3 by channel, in the order and with the signs of Kerbl et al.: a colour is 0.5\n"
+      "and their sum, no less than 0. Channels are RGB; ``bands_nm`` (C, 2) names others, 3 to 16\n"
+      "bands from one wavelength to another, in which a lit world sees them; one that is not lit\n"
+      "shows the first three as RGB. ``color_space``, 'srgb' or 'linear', is that in which they "
+      "were\n"
       "trained and are composited; ``direction`` is what colours depend on: 'center', from where "
       "a\n"
       "ray starts to the middle of a splat, as Kerbl et al. have it, or 'ray', its own direction,\n"
-      "as Moenne-Loccoz et al. 2024 (doi:10.1145/3687934). ``white`` is the linear RGB that a\n"
-      "colour of 1 is; `omma.scene.calibrate` finds it. ``world_from_splats`` (4, 4) places them,\n"
-      "m.\n\n"
+      "as Moenne-Loccoz et al. 2024 (doi:10.1145/3687934). ``white`` (C,) is what a colour of 1 "
+      "is\n"
+      "in linear numbers, all 1 where it is None; `omma.scene.calibrate` finds it.\n"
+      "``world_from_splats`` (4, 4) places them, m.\n\n"
       "Raises `omma.Error`, which names the splat, where sizes do not go together or a number is\n"
       "not what it stands for.");
   cloud
-      .def(
-          "__init__", &init, nb::arg("positions_m"), nb::arg("scales_m"), nb::arg("rotations"),
-          nb::arg("opacities"), nb::arg("harmonics"), nb::kw_only(),
-          nb::arg("color_space") = "srgb", nb::arg("direction") = "center",
-          nb::arg("white") = nb::make_tuple(1, 1, 1), nb::arg("world_from_splats") = nb::none(),
-          nb::arg("name") = "",
-          nb::sig("def __init__(self, positions_m: numpy.typing.ArrayLike, scales_m: "
-                  "numpy.typing.ArrayLike, rotations: numpy.typing.ArrayLike, opacities: "
-                  "numpy.typing.ArrayLike, harmonics: numpy.typing.ArrayLike, *, color_space: str "
-                  "= 'srgb', direction: str = 'center', white: numpy.typing.ArrayLike = (1, 1, 1), "
-                  "world_from_splats: "
-                  "numpy.typing.ArrayLike | None = None, name: str = '') -> None"))
+      .def("__init__", &init, nb::arg("positions_m"), nb::arg("scales_m"), nb::arg("rotations"),
+           nb::arg("opacities"), nb::arg("harmonics"), nb::kw_only(),
+           nb::arg("color_space") = "srgb", nb::arg("direction") = "center",
+           nb::arg("white") = nb::none(), nb::arg("bands_nm") = nb::none(),
+           nb::arg("world_from_splats") = nb::none(), nb::arg("name") = "",
+           nb::sig(
+               "def __init__(self, positions_m: numpy.typing.ArrayLike, scales_m: "
+               "numpy.typing.ArrayLike, rotations: numpy.typing.ArrayLike, opacities: "
+               "numpy.typing.ArrayLike, harmonics: numpy.typing.ArrayLike, *, color_space: str "
+               "= 'srgb', direction: str = 'center', white: numpy.typing.ArrayLike | None = None, "
+               "bands_nm: numpy.typing.ArrayLike | None = None, world_from_splats: "
+               "numpy.typing.ArrayLike | None = None, name: str = '') -> None"))
       .def_prop_ro(
           "positions_m",
           [](Self self) { return vectors_view<float>(self, cloud_of(self).positions); },
@@ -113,18 +126,35 @@ void bind_splats(nb::module_& m) {
           [](Self self) {
             const SplatCloud& c = cloud_of(self);
             return view(self, c.harmonics.data(),
-                        {c.positions.size(), static_cast<std::size_t>(c.terms), std::size_t{3}});
+                        {c.positions.size(), static_cast<std::size_t>(c.terms), channels_of(c)});
           },
           nb::for_getter(nb::sig("def harmonics(self, /) -> numpy.typing.NDArray[numpy.float32]")),
-          "(N, 1, 4, 9 or 16, 3).")
+          "(N, 1, 4, 9 or 16, C).")
       .def_prop_ro("color_space",
                    [](const SplatCloud& c) { return word_of(color_spaces, c.color_space); })
       .def_prop_ro("direction",
                    [](const SplatCloud& c) { return word_of(directions, c.direction); })
       .def_prop_ro(
-          "white", [](const SplatCloud& c) { return numbers(c.white); },
-          nb::for_getter(nb::sig("def white(self, /) -> tuple[float, float, float]")),
-          "Linear RGB that a colour of 1 is.")
+          "white",
+          [](const SplatCloud& c) {
+            nb::list values;
+            for (const float w : c.white) values.append(w);
+            return nb::tuple(values);
+          },
+          nb::for_getter(nb::sig("def white(self, /) -> tuple[float, ...]")),
+          "(C,), linear, what a colour of 1 is.")
+      .def_prop_ro(
+          "bands_nm",
+          [](const SplatCloud& c) -> nb::object {
+            if (c.bands_nm.empty()) return nb::none();
+            nb::list bands;
+            for (const auto& [from_nm, to_nm] : c.bands_nm)
+              bands.append(nb::make_tuple(from_nm, to_nm));
+            return nb::tuple(bands);
+          },
+          nb::for_getter(
+              nb::sig("def bands_nm(self, /) -> tuple[tuple[float, float], ...] | None")),
+          "(C, 2), nm, or None: RGB.")
       .def_prop_ro(
           "world_from_splats",
           [](const SplatCloud& c) { return matrix_array(c.world_from_splats); },
@@ -137,7 +167,7 @@ void bind_splats(nb::module_& m) {
         return named("SplatCloud", c.name) + " of " + counted(c.positions.size(), "splats>");
       });
   def_value(cloud, {"positions_m", "scales_m", "rotations", "opacities", "harmonics", "color_space",
-                    "direction", "white", "world_from_splats", "name"});
+                    "direction", "white", "bands_nm", "world_from_splats", "name"});
 }
 
 }  // namespace omma::python

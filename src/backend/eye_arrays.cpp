@@ -9,10 +9,30 @@
 
 namespace omma {
 
-EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
+namespace {
+
+// Along the curve, in each eye of a population by itself.
+std::vector<std::uint32_t> order_of(const Eye& eye, const std::vector<std::int32_t>& number) {
+  std::vector<std::uint32_t> order = order_along_curve(eye);
+  std::vector<std::uint32_t> first(eye.size());  // where the eye of an ommatidium begins
+  std::uint32_t start = 0;
+  for (std::uint32_t i = 0; i < first.size(); ++i) {
+    if (number[i] == 0) start = i;
+    first[i] = start;
+  }
+  std::vector<std::uint32_t> next = first, sorted(order.size());
+  for (const std::uint32_t i : order) sorted[next[first[i]]++] = i;
+  return sorted;
+}
+
+}  // namespace
+
+EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
+                          const std::vector<std::int32_t>& eye_sizes) {
   EyeArrays a;
   a.has_scales = !directions.scale_of.empty();
-  for (const std::uint32_t i : order_along_curve(eye)) {
+  const std::vector<std::int32_t> number = numbers_in_eyes(eye.size(), eye_sizes);
+  for (const std::uint32_t i : order_of(eye, number)) {
     const Vec3d axis = to_double(eye.axis[i]);
     const Vec3d origin =
         to_double(eye.position_m[i]) - axis * static_cast<double>(eye.focal_offset_m[i]);
@@ -34,7 +54,7 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions) {
     a.scale.push_back(directions.scale_of.empty() ? 1.0f : directions.scale_of[i]);
     a.has_apertures = a.has_apertures || eye.aperture_diameter_m[i] > 0;
     a.warp.push_back(static_cast<std::int32_t>(directions.warp_of[i]));
-    a.ommatidium.push_back(static_cast<std::int32_t>(i));
+    a.ommatidium.push_back(number[i]);
   }
   for (std::vector<float>* values :
        {&a.origin_x, &a.origin_y, &a.origin_z, &a.axis_x, &a.axis_y, &a.axis_z, &a.up_x, &a.up_y,

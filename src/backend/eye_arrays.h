@@ -21,7 +21,7 @@ struct EyeArrays {
   std::vector<float> aperture_radius_m;
   std::vector<float> scale;              // of its warp, as DirectionTables::scale_of
   std::vector<std::int32_t> warp;        // index into DirectionTables::warps
-  std::vector<std::int32_t> ommatidium;  // index in the Eye
+  std::vector<std::int32_t> ommatidium;  // index in the Eye, or in its eye of a population
   bool has_apertures = false;            // whether any radius is above 0
   bool has_scales = false;               // whether any scale is not 1
   // Bounds of all, for checking poses: the largest origin_x, _y, _z, and focal offset or radius.
@@ -32,7 +32,10 @@ struct EyeArrays {
   std::size_t size() const { return ommatidium.empty() ? 0 : ommatidium.size() - zeros_behind; }
 };
 
-EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions);
+// `eye_sizes`: RenderSettings::eye_sizes; the arrays then have one eye behind the other, each with
+// numbers of its own.
+EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
+                          const std::vector<std::int32_t>& eye_sizes = {});
 
 // Points into the arrays.
 EyeView view(const EyeArrays& arrays);

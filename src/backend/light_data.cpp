@@ -264,6 +264,19 @@ std::vector<float> make_emission_matrix(const Light& light, const Material& mate
   return {matrix.begin(), matrix.end()};
 }
 
+std::vector<float> make_splat_emission(const Light& light,
+                                       const std::vector<std::array<double, 2>>& bands_nm) {
+  if (bands_nm.empty()) {
+    Material shining;
+    shining.emissive = {1, 1, 1};
+    return make_emission_matrix(light, shining);
+  }
+  std::vector<float> matrix;
+  for (const std::vector<double>& band : white_per_lumen(light.bands, light.unit, bands_nm))
+    for (const double x : band) matrix.push_back(static_cast<float>(light.emission_cd_m2 * x));
+  return matrix;
+}
+
 void check_emission(const Light& light, const Scene& scene) {
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     const Material& material = scene.materials[m];

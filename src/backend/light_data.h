@@ -68,6 +68,11 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
 // light's unit (ScatterView::emission); empty where it does not shine.
 std::vector<float> make_emission_matrix(const Light& light, const Material& material);
 
+// What a linear 1 of each channel of splats is in each band, [band][channel], in the light's unit:
+// as white emission is, of the channel's wavelengths (SplatCloud::bands_nm), or red, green and blue.
+std::vector<float> make_splat_emission(const Light& light,
+                                       const std::vector<std::array<double, 2>>& bands_nm);
+
 // Throws omma::Error where a material shines more brightly than anything may.
 void check_emission(const Light& light, const Scene& scene);
 

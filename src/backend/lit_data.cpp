@@ -96,11 +96,8 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
     lit->emission.push_back(make_emission_matrix(light, scene.materials[m]));
     if (!lit->emission.back().empty()) materials[m].emission = lit->emission.back().data();
   }
-  if (!scene.splats.empty()) {
-    Material shining;
-    shining.emissive = {1, 1, 1};
-    lit->splat_emission = make_emission_matrix(light, shining);
-  }
+  if (!scene.splats.empty())
+    lit->splat_emission = make_splat_emission(light, scene.splats.front().bands_nm);
   SceneView& view = lit->view;
   view = lit->shading->view;
   view.version = new_version();

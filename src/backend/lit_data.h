@@ -28,7 +28,7 @@ struct LitData {
   std::unique_ptr<LightData> light;
   std::vector<float> albedos, coat_albedo, metal_albedo;  // see SceneView
   std::vector<std::vector<float>> emission;               // [material that shines][band][3]
-  std::vector<float> splat_emission;                      // [band][3], where there are splats
+  std::vector<float> splat_emission;                      // [band][channel], where there are splats
   std::shared_ptr<const BakedLight> baked_light;
   BakedReading baked;
   SunMapData sun_map;

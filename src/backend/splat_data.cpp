@@ -20,6 +20,8 @@ namespace {
 // flat, while single precision still knows on which side of one a ray is.
 constexpr double least_thickness = 1e-4;
 
+static_assert(splat_channels_kept == most_splat_channels);
+
 // A splat in the traced frame.
 struct Placed {
   Mat4 frame_from_splat;  // of its own axes, as long as its standard deviations, about its middle
@@ -142,6 +144,7 @@ std::unique_ptr<SplatData> make_splat_data(const Scene& scene, Vec3d origin_m,
     view.harmonics = cloud.harmonics.data();
     view.splat_count = static_cast<std::int32_t>(cloud.positions.size());
     view.terms = cloud.terms;
+    view.channels = static_cast<std::int32_t>(channels_of(cloud));
     view.by_ray = cloud.direction == SplatDirection::ray;
     data->clouds.push_back(view);
     data->box =
@@ -152,11 +155,14 @@ std::unique_ptr<SplatData> make_splat_data(const Scene& scene, Vec3d origin_m,
                 data->clouds.data(),
                 first_origin_now_m,
                 scene.splats.front().color_space == SplatColor::srgb,
-                scene.splats.front().white,
+                {},
+                static_cast<std::int32_t>(channels_of(scene.splats.front())),
                 static_cast<std::int64_t>(data->nodes.size()),
                 static_cast<std::int64_t>(data->splats.size()),
                 static_cast<std::int32_t>(data->clouds.size()),
                 new_version()};
+  const std::vector<float>& white = scene.splats.front().white;
+  std::copy(white.begin(), white.end(), data->view.white);
   return data;
 }
 

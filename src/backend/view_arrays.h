@@ -150,7 +150,7 @@ void visit_arrays(SunMapView& view, Visit& visit) {
 
 template <typename Visit>
 void visit_arrays(SplatCloudView& view, Visit& visit) {
-  visit(view.harmonics, {view.splat_count, view.terms, 3});
+  visit(view.harmonics, {view.splat_count, view.terms, view.channels});
 }
 
 template <typename Visit>
@@ -221,8 +221,8 @@ void visit_arrays(SceneView& view, Visit& visit) {
   visit(view.power_22, {power_22_size});
   visit(view.opacity_states, {view.opacity_word_count});
   visit(view.frame_from_mesh, {view.instance_count, 3, 4}, now.placed);
+  if (view.splats != nullptr) visit(view.splat_emission, {view.bands, view.splats->channels});
   visit.views(view.splats, {1}, now.placed);
-  visit(view.splat_emission, {view.bands, 3});
   visit(view.band_from_rgb, {view.bands, 3}, view.bands_version);
   visit.views(view.light, {1}, now.placed);
   visit.views(view.scatter, {view.material_count}, view.bands);

@@ -299,7 +299,7 @@ void add_geometry(GltfMember& root) {
   const std::string splats = extensions + "." + splats_extension;
   add(root, splats,
       {{"kernel", string, required}, {"colorSpace", string, required}, {"extras", extras}});
-  add(root, splats + ".extras", {{"direction", anything}, {"white", three_numbers}});
+  add(root, splats + ".extras", {{"direction", anything}, {"white", numbers}, {"bands_nm", numbers}});
   add(root, "accessors[]",
       {{"name", string},
        {"bufferView", integer},

@@ -21,6 +21,8 @@ constexpr const char* linear_display = "lin_rec709_display";
 // What a splat is flattened to where a scale is 0.
 constexpr float least_scale_m = 1e-9f;
 constexpr int degrees = 4;
+// KHR_gaussian_splatting has three colours; further channels of ours are numbers beside them.
+constexpr std::size_t colors = 3;
 
 std::string semantic(const char* name) {
   return std::string(splats_extension) + ":" + name;
@@ -28,6 +30,10 @@ std::string semantic(const char* name) {
 // Of degree l.
 std::string harmonic(int l, int number) {
   return semantic("SH_DEGREE_") + std::to_string(l) + "_COEF_" + std::to_string(number);
+}
+std::string channel_harmonic(std::size_t channel, int l, int number) {
+  return "_CHANNEL_" + std::to_string(channel) + "_SH_DEGREE_" + std::to_string(l) + "_COEF_" +
+         std::to_string(number);
 }
 
 // The terms of all degrees that the primitive has; no degree is there in part.
@@ -102,17 +108,39 @@ void take_rotations(std::vector<float> values, SplatCloud& cloud) {
 
 void take_harmonics(Reader& reader, SplatCloud& cloud) {
   cloud.terms = count_terms(reader.attributes, reader.place);
+  const std::size_t channels = channels_of(cloud);
   const auto terms = static_cast<std::size_t>(cloud.terms);
-  reader.gltf.budget.spend(reader.count, 3 * terms * sizeof(float));
-  cloud.harmonics.resize(3 * terms * reader.count);
+  reader.gltf.budget.spend(reader.count, channels * terms * sizeof(float));
+  cloud.harmonics.resize(channels * terms * reader.count);
   std::size_t term = 0;
+  const auto take = [&](const std::string& name, std::size_t first, std::size_t count) {
+    const std::vector<float> values = reader.floats(name, count);
+    for (std::size_t i = 0; i < reader.count; ++i)
+      for (std::size_t c = 0; c < count; ++c)
+        cloud.harmonics[channels * (i * terms + term) + first + c] = values[count * i + c];
+  };
   for (int l = 0; term < terms; ++l)
     for (int n = 0; n < 2 * l + 1; ++n, ++term) {
-      const std::vector<float> values = reader.floats(harmonic(l, n), 3);
-      for (std::size_t i = 0; i < reader.count; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-          cloud.harmonics[3 * (i * terms + term) + c] = values[3 * i + c];
+      take(harmonic(l, n), 0, colors);
+      for (std::size_t c = colors; c < channels; ++c) take(channel_harmonic(c, l, n), c, 1);
     }
+}
+
+// Of the extension's extras, where Omma has put what the extension cannot say.
+void take_extras(const json& extras, const std::string& place, SplatCloud& cloud) {
+  if (extras.contains("direction") && extras["direction"] == "ray")
+    cloud.direction = SplatDirection::ray;
+  if (extras.contains("bands_nm")) {
+    const auto ends = extras["bands_nm"].get<std::vector<double>>();
+    if (ends.size() % 2 != 0 || ends.size() < 2 * colors || ends.size() > 2 * most_splat_channels)
+      throw Error(place + ": bands_nm: expected two numbers for each of 3 to " +
+                  std::to_string(most_splat_channels) + " channels, found " +
+                  std::to_string(ends.size()));
+    for (std::size_t i = 0; i < ends.size(); i += 2)
+      cloud.bands_nm.push_back({ends[i], ends[i + 1]});
+    cloud.white.assign(ends.size() / 2, 1.0f);
+  }
+  if (extras.contains("white")) cloud.white = extras["white"].get<std::vector<float>>();
 }
 
 }  // namespace
@@ -139,12 +167,7 @@ SplatCloud read_gltf_splats(GltfContainer& gltf, const json& primitive, const st
     throw Error(place + ": colorSpace: expected " + srgb_display + " or " + linear_display +
                 ", found " + shown_text(space));
   cloud.color_space = space == linear_display ? SplatColor::linear : SplatColor::srgb;
-  if (extension.contains("extras")) {
-    const json& extras = extension["extras"];
-    if (extras.contains("direction") && extras["direction"] == "ray")
-      cloud.direction = SplatDirection::ray;
-    if (extras.contains("white")) cloud.white = gltf_vec3(extras["white"]);
-  }
+  if (extension.contains("extras")) take_extras(extension["extras"], place, cloud);
 
   Reader reader{gltf, primitive["attributes"], place};
   cloud.positions = vectors<Vec3>(reader.floats("POSITION", 3));
@@ -171,22 +194,34 @@ json written_splats(GltfWriter& writer, const SplatCloud& cloud) {
   attributes[semantic("SCALE")] = writer.floats(cloud.scales);
   attributes[semantic("ROTATION")] = writer.floats(cloud.rotations);
   attributes[semantic("OPACITY")] = writer.floats(cloud.opacities);
+  const std::size_t channels = channels_of(cloud);
   const auto terms = static_cast<std::size_t>(cloud.terms);
   std::size_t term = 0;
   for (int l = 0; term < terms; ++l)
     for (int n = 0; n < 2 * l + 1; ++n, ++term) {
+      const auto number = [&](std::size_t i, std::size_t c) {
+        return cloud.harmonics[channels * (i * terms + term) + c];
+      };
       std::vector<Vec3> values(cloud.positions.size());
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        const float* c = &cloud.harmonics[3 * (i * terms + term)];
-        values[i] = {c[0], c[1], c[2]};
-      }
+      for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = {number(i, 0), number(i, 1), number(i, 2)};
       attributes[harmonic(l, n)] = writer.floats(values);
+      for (std::size_t c = colors; c < channels; ++c) {
+        std::vector<float> one(cloud.positions.size());
+        for (std::size_t i = 0; i < one.size(); ++i) one[i] = number(i, c);
+        attributes[channel_harmonic(c, l, n)] = writer.floats(one);
+      }
     }
   json extension = {
       {"kernel", "ellipse"},
       {"colorSpace", cloud.color_space == SplatColor::linear ? linear_display : srgb_display}};
   if (cloud.direction == SplatDirection::ray) extension["extras"]["direction"] = "ray";
-  if (cloud.white != Vec3{1, 1, 1}) extension["extras"]["white"] = numbers(cloud.white);
+  if (!cloud.bands_nm.empty()) {
+    json ends = json::array();
+    for (const auto& [from_nm, to_nm] : cloud.bands_nm) ends.insert(ends.end(), {from_nm, to_nm});
+    extension["extras"]["bands_nm"] = std::move(ends);
+  }
+  if (cloud.white != std::vector<float>(channels, 1.0f)) extension["extras"]["white"] = cloud.white;
   return {{"mode", 0},
           {"attributes", std::move(attributes)},
           {"extensions", {{splats_extension, std::move(extension)}}}};

@@ -77,4 +77,22 @@ std::vector<std::array<double, 3>> primaries_per_lumen(const Bands& bands, Light
   return made;
 }
 
+std::vector<std::vector<double>> white_per_lumen(
+    const Bands& bands, LightUnit unit, const std::vector<std::array<double, 2>>& parts_nm) {
+  const double photons = photons_per_lumen_nm();
+  std::vector<std::vector<double>> made(bands.count());
+  for (const auto& [from_nm, to_nm] : parts_nm) {
+    const std::vector<double> means =
+        band_mean_of_cells(bands, [&, from = from_nm, to = to_nm](double nm, double width_nm) {
+          const double lower = std::max(nm - width_nm / 2, from);
+          const double upper = std::min(nm + width_nm / 2, to);
+          const double part = width_nm > 0 ? std::max(upper - lower, 0.0) / width_nm
+                                           : (nm >= from && nm < to ? 1.0 : 0.0);
+          return part * photons / (photons_per_joule_nm * nm) * unit_per_watt(unit, nm);
+        });
+    for (std::size_t b = 0; b < made.size(); ++b) made[b].push_back(means[b]);
+  }
+  return made;
+}
+
 }  // namespace omma

@@ -57,4 +57,9 @@ double luminous_efficiency(double wavelength_nm);
 // from 400 to 700 nm and the primaries have their spectra (omma/receptor.h).
 std::vector<std::array<double, 3>> primaries_per_lumen(const Bands& bands, LightUnit unit);
 
+// That white's parts from one wavelength to another, as the same light goes on beyond 400 and 700
+// nm too: [band][part].
+std::vector<std::vector<double>> white_per_lumen(
+    const Bands& bands, LightUnit unit, const std::vector<std::array<double, 2>>& parts_nm);
+
 }  // namespace omma

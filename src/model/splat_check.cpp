@@ -19,6 +19,7 @@ constexpr float least_scale_m = 1e-12f, most_scale_m = 1e6f, most_position_m = 1
 constexpr double most_stretched = 1e12;
 // A colour of 1 is full scale.
 constexpr float most_harmonic = 1e4f, most_white = 1e9f;
+constexpr double least_band_nm = 100, most_band_nm = 10000;
 // Quaternions are turns to about single precision.
 constexpr double off_unit = 1e-4;
 
@@ -49,6 +50,20 @@ void check_splat(const SplatCloud& cloud, std::size_t i, const std::string& plac
     refuse("expected an opacity from 0 to 1");
 }
 
+void check_bands(const SplatCloud& cloud, const std::string& place) {
+  if (cloud.bands_nm.empty()) return;
+  const std::size_t count = cloud.bands_nm.size();
+  if (count < 3 || count > most_splat_channels)
+    throw Error(place + ": expected 3 to " + std::to_string(most_splat_channels) +
+                " channels, found bands_nm of " + std::to_string(count));
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto [from_nm, to_nm] = cloud.bands_nm[c];
+    if (!(from_nm >= least_band_nm && to_nm > from_nm && to_nm <= most_band_nm))
+      throw Error(place + ": bands_nm " + std::to_string(c) +
+                  ": expected a band from 100 to 10,000 nm, its lower end first");
+  }
+}
+
 void check_cloud(const SplatCloud& cloud, const std::string& place) {
   const std::size_t count = cloud.positions.size();
   check_size(cloud.scales.size(), count, place, "scales");
@@ -57,17 +72,19 @@ void check_cloud(const SplatCloud& cloud, const std::string& place) {
   if (cloud.terms != 1 && cloud.terms != 4 && cloud.terms != 9 && cloud.terms != 16)
     throw Error(place + ": expected harmonics of 1, 4, 9 or 16 terms (degree 0 to 3), found " +
                 std::to_string(cloud.terms));
-  check_size(cloud.harmonics.size(), 3 * count * static_cast<std::size_t>(cloud.terms), place,
-             "numbers of harmonics");
+  check_bands(cloud, place);
+  const std::size_t channels = channels_of(cloud);
+  const std::size_t numbers = channels * static_cast<std::size_t>(cloud.terms);
+  check_size(cloud.harmonics.size(), numbers * count, place, "numbers of harmonics");
   for (std::size_t i = 0; i < count; ++i) check_splat(cloud, i, place);
   for (std::size_t i = 0; i < cloud.harmonics.size(); ++i)
     if (!(std::fabs(cloud.harmonics[i]) <= most_harmonic))
-      throw Error(place + ": splat " +
-                  std::to_string(i / (3 * static_cast<std::size_t>(cloud.terms))) +
+      throw Error(place + ": splat " + std::to_string(i / numbers) +
                   ": expected harmonics of at most 1e4, of finite numbers");
-  const Vec3 w = cloud.white;
-  if (!(std::min({w.x, w.y, w.z}) > 0 && std::max({w.x, w.y, w.z}) <= most_white))
-    throw Error(place + ": expected a white above 0 of at most 1e9");
+  check_size(cloud.white.size(), channels, place, "numbers of white");
+  for (const float w : cloud.white)
+    if (!(w > 0 && w <= most_white))
+      throw Error(place + ": expected a white above 0 of at most 1e9");
   const Mat4& t = cloud.world_from_splats;
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 4; ++c)
@@ -92,11 +109,12 @@ void check_splats(const Scene& scene) {
                               std::to_string(i) +
                               (cloud.name.empty() ? "" : " \"" + cloud.name + "\"");
     check_cloud(cloud, place);
-    if (cloud.color_space != scene.splats.front().color_space ||
-        cloud.white != scene.splats.front().white)
+    const SplatCloud& first = scene.splats.front();
+    if (cloud.color_space != first.color_space || cloud.white != first.white ||
+        cloud.bands_nm != first.bands_nm)
       throw Error(place +
-                  ": expected the colour space and white of the other splats of the scene, as all "
-                  "are composited in one; found others");
+                  ": expected the colour space, bands and white of the other splats of the scene, "
+                  "as all are composited in one; found others");
   }
 }
 

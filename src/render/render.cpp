@@ -26,7 +26,8 @@ void check_to_error(const ToError& s) {
   const bool is_share = s.relative_error >= 0 && s.relative_error <= 1;
   if (!is_error || !is_share || (s.error == 0 && s.relative_error == 0))
     throw Error(
-        "sampling: ToError expects an error above 0, a radiance, or a relative one, up to 1; found " +
+        "sampling: ToError expects an error above 0, a radiance, or a relative one, up to 1; "
+        "found " +
         std::to_string(s.error) + " and " + std::to_string(s.relative_error));
   if (s.least < 4 || s.least > max_samples || (s.least & (s.least - 1)) != 0)
     throw Error("sampling: ToError expects a power of two from 4 to " +
@@ -87,6 +88,25 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
         "dark rings go on to the side");
 }
 
+// Whether the sizes of a population's eyes are those of its ommatidia, and it can be rendered.
+static void check_population(const Eye& eye, const RenderSettings& settings) {
+  if (settings.eye_sizes.empty()) return;
+  std::int64_t sum = 0;
+  for (const std::int32_t size : settings.eye_sizes) {
+    if (size < 1)
+      throw Error("eye_sizes: expected at least one ommatidium in each eye, found " +
+                  std::to_string(size));
+    sum += size;
+  }
+  if (sum != static_cast<std::int64_t>(eye.size()))
+    throw Error("eye_sizes: expected " + std::to_string(eye.size()) + " ommatidia in all, found " +
+                std::to_string(sum));
+  if (!std::holds_alternative<Fixed>(settings.sampling))
+    throw Error("sampling: expected Fixed for the eyes of a population");
+  if (!settings.delays_s.empty())
+    throw Error("delays_s: expected frames that do not last for the eyes of a population");
+}
+
 // Of all ommatidia, as find_acceptances has it of some.
 static float least_acceptance(const EyeView& eye, const DirectionsView& directions,
                               std::size_t ommatidia) {
@@ -103,6 +123,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
       settings(std::move(its_settings)),
       threads(settings.threads) {
   check_sharing(eye, settings);
+  check_population(eye, settings);
   if (shares_rays(settings.sampling) && world.state().view.polarized)
     throw Error(
         "sampling: Shared, not in a polarised world: a ray that several ommatidia share has no one "
@@ -118,7 +139,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     directions.push_back(make_direction_tables(eye, settings, first, known, of_frame_0));
     for (int samples = 2 * first; target != nullptr && samples <= target->most; samples *= 2)
       directions.push_back(make_direction_tables(eye, settings, samples, &directions.front()));
-    eye_arrays = make_eye_arrays(eye, directions.front());
+    eye_arrays = make_eye_arrays(eye, directions.front(), settings.eye_sizes);
     eye_view = omma::view(eye_arrays);
     for (const DirectionTables& tables : directions) direction_views.push_back(omma::view(tables));
     least_acceptance_sr = least_acceptance(eye_view, direction_views.front(), eye.size());
@@ -167,8 +188,11 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings s
 void Renderer::render(std::span<const Mat4> world_from_head, std::span<float> responses,
                       const RenderCall& call) const {
   if (!call.instances.empty() || !call.world_from_node.empty() || !call.unseen.empty() ||
-      !call.unseen_at.empty() || is_animated(*state_, call))
+      !call.unseen_at.empty() || is_animated(*state_, call)) {
+    if (!state_->settings.eye_sizes.empty())
+      throw Error("eye_sizes: expected a world that stands still for a population");
     return render_moving(*state_, world_from_head, responses, call);
+  }
   const Rendering rendering(state_->world);
   render_still(*state_, world_from_head, responses, call);
 }

@@ -2,6 +2,7 @@
 // ommatidium its own rays) and render_shared.cpp (rays shared by neighbours).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <functional>
@@ -39,7 +40,7 @@ struct Renderer::State {
   EyeArrays eye_arrays;
   std::vector<DirectionsView> direction_views;  // [round]
   EyeView eye_view;
-  float least_acceptance_sr = 0;  // of the eye's; find_acceptances
+  float least_acceptance_sr = 0;      // of the eye's; find_acceptances
   std::vector<std::uint8_t> nearest;  // nearest_in_blocks, where there is an error to reach
 
   // Rays shared by neighbours: the first set is used at all poses, the others for standard errors.
@@ -58,16 +59,33 @@ struct Renderer::State {
   }
 };
 
+// Ommatidia of an eye, one behind the other.
+struct EyeSpan {
+  std::size_t first, count;
+  std::size_t eye;  // of a population
+};
+
 // One frame's tracing as tasks of neighbouring ommatidia.
 struct Blocks {
   FrameView frame;
   const BuiltScene* built = nullptr;
   int ommatidia = 0, per_block = 1;
+  std::vector<EyeSpan> of_eyes = {};  // of a population, whose eyes have blocks of their own
 
   std::size_t count() const {
+    if (!of_eyes.empty()) return of_eyes.size();
     return (static_cast<std::size_t>(ommatidia) + static_cast<std::size_t>(per_block) - 1) /
            static_cast<std::size_t>(per_block);
   }
+  EyeSpan at(std::size_t block) const {
+    if (!of_eyes.empty()) return of_eyes[block];
+    const std::size_t first = block * static_cast<std::size_t>(per_block);
+    return {
+        first,
+        std::min(static_cast<std::size_t>(per_block), static_cast<std::size_t>(ommatidia) - first),
+        0};
+  }
+  std::size_t eye_of(std::size_t block) const { return of_eyes.empty() ? 0 : of_eyes[block].eye; }
 };
 
 // Task `block` of a frame; the caller adds where results go.

@@ -87,11 +87,47 @@ Blocks cut_into_blocks(const Renderer::State& s, const RenderCall& call, const O
   return blocks;
 }
 
+// The eyes of a population, or the one that there is.
+std::vector<EyeSpan> eyes_of(const Renderer::State& s) {
+  if (s.settings.eye_sizes.empty()) return {{0, s.eye.size(), 0}};
+  std::vector<EyeSpan> eyes;
+  std::size_t first = 0;
+  for (const std::int32_t size : s.settings.eye_sizes) {
+    eyes.push_back({first, static_cast<std::size_t>(size), eyes.size()});
+    first += static_cast<std::size_t>(size);
+  }
+  return eyes;
+}
+
+std::size_t count_poses(std::size_t given, std::size_t eyes) {
+  if (given % eyes != 0)
+    throw Error("poses: expected one for each of " + std::to_string(eyes) + " eyes, found " +
+                std::to_string(given));
+  return given / eyes;
+}
+
+void check_population_call(const Renderer::State& s, const Truth& truth) {
+  if (!truth.tasks.empty()) throw Error("eye_sizes: no ground truth of the eyes of a population");
+  if (!s.world.cards().empty())
+    throw Error("eye_sizes: expected a processor's backend for a population, found a card's");
+}
+
+std::vector<EyeSpan> cut_by_eyes(const std::vector<EyeSpan>& eyes, int per_block) {
+  const auto most = static_cast<std::size_t>(per_block);
+  std::vector<EyeSpan> blocks;
+  for (const EyeSpan& eye : eyes)
+    for (std::size_t k = 0; k < eye.count; k += most)
+      blocks.push_back({eye.first + k, std::min(most, eye.count - k), eye.eye});
+  return blocks;
+}
+
 }  // namespace
 
 void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,
                   std::span<float> responses, const RenderCall& call, const TimePart& part) {
-  const std::size_t ommatidia = s.eye.size(), poses = world_from_head.size();
+  const std::vector<EyeSpan> eyes = eyes_of(s);
+  const std::size_t ommatidia = s.eye.size();
+  const std::size_t poses = count_poses(world_from_head.size(), eyes.size());
   const Outputs outputs = make_outputs(call, *s.view());
   const std::size_t pose_size = ommatidia * static_cast<std::size_t>(outputs.count);
   check_output("responses", responses, poses * pose_size);
@@ -131,6 +167,10 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   const int rays_each = blocks.frame.directions->samples * blocks.frame.scrambles;
   if (to_error == nullptr) std::fill(call.rays.begin(), call.rays.end(), rays_each);
 
+  if (!s.settings.eye_sizes.empty()) {
+    check_population_call(s, truth);
+    blocks.of_eyes = cut_by_eyes(eyes, blocks.per_block);
+  }
   const std::size_t blocks_per_pose = blocks.count();
   std::vector<BlockTask> tasks;
   std::vector<FrameMotion> motions;  // of the poses of a launch
@@ -144,14 +184,21 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t p = i / blocks_per_pose;
       BlockTask& task = tasks[i - begin];
-      task = make_task(blocks, i % blocks_per_pose, traced[p], s.frame_of(p, first_frame));
+      const std::size_t e = blocks.eye_of(i % blocks_per_pose);
+      task = make_task(blocks, i % blocks_per_pose, traced[p * eyes.size() + e],
+                       s.frame_of(p, first_frame));
       task.sees = seen_at(call, p);
       task.motion = motion_of(motions[p - first_pose]);
-      task.responses = responses.data() + p * pose_size;
+      // Of a population each eye has numbers of its own.
+      const std::size_t before = eyes[e].first;
+      const auto begin_of = [&](auto output, std::size_t of_pose) {
+        return output.data() + p * of_pose + before * (of_pose / ommatidia);
+      };
+      task.responses = begin_of(responses, pose_size);
       if (!call.standard_error.empty())
-        task.standard_error = call.standard_error.data() + p * pose_size;
-      if (!call.rays.empty()) task.rays = call.rays.data() + p * ommatidia;
-      if (!call.ray_radiance.empty()) task.ray_radiance = call.ray_radiance.data() + p * rays_size;
+        task.standard_error = begin_of(call.standard_error, pose_size);
+      if (!call.rays.empty()) task.rays = begin_of(call.rays, ommatidia);
+      if (!call.ray_radiance.empty()) task.ray_radiance = begin_of(call.ray_radiance, rays_size);
       if (!truth.tasks.empty()) task.truth = &truth.tasks[p];
     }
     trace_tasks(blocks, tasks);
@@ -173,8 +220,9 @@ BlockTask make_task(const Blocks& blocks, std::size_t block, const Mat4& world_f
     for (int c = 0; c < 4; ++c)
       task.world_from_head[r][c] = static_cast<float>(world_from_head.m[r][c]);
   task.pose = pose;
-  task.first = static_cast<int>(block) * blocks.per_block;
-  task.count = std::min(blocks.per_block, blocks.ommatidia - task.first);
+  const EyeSpan span = blocks.at(block);
+  task.first = static_cast<std::int32_t>(span.first);
+  task.count = static_cast<std::int32_t>(span.count);
   return task;
 }
 

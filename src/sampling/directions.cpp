@@ -109,12 +109,15 @@ std::vector<float> use_width_levels(std::vector<Acceptance>& acceptances) {
 
 // Which patterns of which warps are to be made, [warp * patterns + pattern]: all, or those that are
 // used in frame 0 (replicates.h).
-std::vector<std::size_t> patterns_to_make(const DirectionTables& tables, bool of_frame_0) {
+std::vector<std::size_t> patterns_to_make(const DirectionTables& tables,
+                                          const std::vector<std::int32_t>& eye_sizes,
+                                          bool of_frame_0) {
   const auto patterns = static_cast<std::size_t>(tables.patterns);
   std::vector<std::uint8_t> used(tables.warps.size() * patterns, of_frame_0 ? 0 : 1);
   const std::uint64_t pose = pose_hash(tables.seed, 0);
-  for (std::size_t i = 0; i < tables.warp_of.size(); ++i) {
-    const std::uint32_t hash = ommatidium_hash(pose, static_cast<std::uint32_t>(i));
+  const std::vector<std::int32_t> number = numbers_in_eyes(tables.warp_of.size(), eye_sizes);
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    const std::uint32_t hash = ommatidium_hash(pose, static_cast<std::uint32_t>(number[i]));
     for (std::uint32_t scramble = 0; scramble < error_scrambles; ++scramble)
       used[tables.warp_of[i] * patterns + ((hash + scramble) & (patterns - 1))] = 1;
   }
@@ -146,6 +149,17 @@ std::vector<Acceptance> rendered_acceptances(const Eye& eye, const RenderSetting
 }
 
 }  // namespace
+
+std::vector<std::int32_t> numbers_in_eyes(std::size_t ommatidia,
+                                          const std::vector<std::int32_t>& eye_sizes) {
+  std::vector<std::int32_t> number;
+  number.reserve(ommatidia);
+  for (const std::int32_t size : eye_sizes)
+    for (std::int32_t i = 0; i < size; ++i) number.push_back(i);
+  for (std::size_t i = number.size(); i < ommatidia; ++i)
+    number.push_back(static_cast<std::int32_t>(i));
+  return number;
+}
 
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i) {
   if (!settings.kernel) return acceptance_at(eye, i);
@@ -216,7 +230,7 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
                                : std::make_shared<const std::vector<std::vector<Vec3d>>>(
                                      scrambled_points(settings.seed, patterns, n));
   const std::vector<std::vector<Vec3d>>& normals = *tables.normals;
-  const std::vector<std::size_t> to_make = patterns_to_make(tables, of_frame_0);
+  const std::vector<std::size_t> to_make = patterns_to_make(tables, settings.eye_sizes, of_frame_0);
   tables.local.resize(distinct.size() * patterns * 3 * n);
   parallel_for(std::size_t{0}, to_make.size(), [&](std::size_t k) {
     const std::size_t i = to_make[k];

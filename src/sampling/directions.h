@@ -49,6 +49,11 @@ struct DirectionTables {
   Version version = new_version();
 };
 
+// [ommatidium], its number in its own eye of a population (RenderSettings::eye_sizes), which random
+// numbers are hashed from; without sizes that in the eye.
+std::vector<std::int32_t> numbers_in_eyes(std::size_t ommatidia,
+                                          const std::vector<std::int32_t>& eye_sizes);
+
 // The acceptance that an ommatidium is rendered with: its own, or the settings' kernel at its
 // acceptance angle.
 Acceptance rendered_acceptance(const Eye& eye, const RenderSettings& settings, std::size_t i);

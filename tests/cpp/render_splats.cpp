@@ -409,7 +409,7 @@ TEST(Splats, RefusedWhereTheyCannotBeRight) {
   Scene mixed = scene_of({random_cloud(1, 2, 0.1), random_cloud(2, 2, 0.1)});
   mixed.splats[1].color_space = SplatColor::linear;
   EXPECT_THROW(validate_scene(mixed), Error);
-  expect(changed([](SplatCloud& c) { c.white.y = 0; }), "expected a white");
+  expect(changed([](SplatCloud& c) { c.white[1] = 0; }), "expected a white");
 }
 
 }  // namespace

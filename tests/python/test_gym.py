@@ -147,6 +147,46 @@ def test_many_at_once_are_single_ones_to_the_bit(walker, frames):
     in_turn.close()
 
 
+@pytest.mark.parametrize("frames", [None, 2])
+def test_some_start_anew_as_in_gymnasium(walker, frames):
+    """``reset_mask``, for those who do so as soon as an episode is over."""
+    loop = loop_of(walker, frames=frames)
+    together = omma.gym.eye_vector_env(loop, 4)
+    in_turn = gymnasium.vector.SyncVectorEnv([lambda: omma.gym.eye_env(loop)] * 4)
+    in_turn.action_space.seed(3)
+    together.reset(seed=8)
+    in_turn.reset(seed=8)
+    begun = 0
+    for step in range(40):
+        actions = in_turn.action_space.sample()
+        actions[0, 0] = 1  # run into the wall
+        one, other = together.step(actions), in_turn.step(actions)
+        for mine, theirs in zip(one[:-1], other[:-1], strict=True):
+            assert (mine == theirs).all()
+        over = one[2] | one[3]
+        if step % 3 == 0:
+            over[2] = True  # one that is not over
+        if over.any() and step % 5 != 4:
+            begun += 1
+            one = together.reset(options={"reset_mask": over})
+            other = in_turn.reset(options={"reset_mask": over})
+            assert (one[0] == other[0]).all()
+            assert all((one[1][name] == other[1][name]).all() for name in other[1])
+    assert begun > 8
+    in_turn.close()
+    for mask, message in (
+        (np.zeros(4, bool), "reset_mask: expected an array"),
+        ([0, 1, 0, 1], "reset_mask: expected an array"),
+        (np.ones(3, bool), "reset_mask: expected an array"),
+    ):
+        with pytest.raises(omma.Error, match=message):
+            together.reset(options={"reset_mask": mask})
+    with pytest.raises(omma.Error, match="seed: is for a reset of all"):
+        together.reset(seed=1, options={"reset_mask": np.ones(4, bool)})
+    with pytest.raises(omma.Error, match=r"expected a reset\(\) of all before"):
+        omma.gym.eye_vector_env(loop, 4).reset(options={"reset_mask": np.ones(4, bool)})
+
+
 def test_many_are_rendered_in_one_call(walker, monkeypatch):
     calls = []
     render = omma.Renderer.render

@@ -87,6 +87,7 @@ def named_files(tmp_path_factory):
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
     (folder / "forest.xyz").write_text("0 0 0\n0 0 1\n1 0 0\n")
+    np.savetxt(folder / "scan.xyz", np.random.default_rng(1).uniform(-1, 1, (300, 3)) * (1, 1, 0))
     omma.scene.save_splats(
         folder / "garden.spz",
         omma.scene.SplatCloud(

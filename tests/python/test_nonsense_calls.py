@@ -48,7 +48,11 @@ LEFT = {
 # Without a call that works: these want what only other parts of the tests make.
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
-    "torch_dataset": "PyTorch, which is not among what the tests need",
+    "torch_dataset": "PyTorch (test_torch)",
+    "torch_render_stream": "PyTorch (test_torch)",
+    "torch_renders": "PyTorch (test_torch)",
+    "torch_responses": "PyTorch (test_torch_responses)",
+    "torch_stream": "PyTorch (test_torch)",
     "plot_species": "a species, which takes seconds to make",
     "Renderer.render_stokes": "a world that is polarised",
     "eye_env": "a loop (test_gym)",
@@ -165,6 +169,8 @@ def public_calls(folder):
     adapted = omma.photoreceptors.VanHaterenSnippe(100.0)
     started.filter(frames[0])
     adapted.filter(frames[0])
+    sensor = omma.photoreceptors.EventSensor()
+    events = sensor.run([np.ones(24), np.full(24, 2.0)], [0.0, 1.0])
     job = write_job(folder / "job", count=3)
     omma.datasets.run(job)
     views = omma.datasets.open_views(folder / "job" / "job.zarr")
@@ -179,6 +185,7 @@ def public_calls(folder):
         "OmmatidiumType": ("a", (green,)),
         "Wiring": ([0, 1], [0], [1.0]),
         "Renderer": (scene, eye),
+        "Population": (omma.World(scene), [eye, eye]),
         "Scene": {
             "meshes": (mesh,), "instances": (omma.scene.Instance(0),), "materials": (),
             "textures": (), "images": (), "cameras": (), "hit_boxes": (),
@@ -265,6 +272,9 @@ def public_calls(folder):
         "ImpulseResponse.exponential": (0.01,),
         "ImpulseResponse.box": (0.01,),
         "ImpulseResponse.table": ([0, 0.01, 0.02], [0, 1, 0]),
+        "EventSensor": (0.2, 0.2, 0.01, "log", 0.1),
+        "event_counts": (events, [0.0, 1.0], (24,)),
+        "EventState": (0.0, np.ones(3), np.ones(3), np.ones(3)),
         "FrameFilter": (impulse.howard(0.01, 0.3), 100.0),
         "VanHaterenSnippe": (100.0,),
         "displace_axes": (eye.axis, eye.up, np.full(len(eye), 0.01), 0.0),
@@ -415,6 +425,9 @@ def public_calls(folder):
         "run": (job,),
         "to_webdataset": (views.store, folder / "tars"),
         "torch_dataset": (views,),
+        "torch_render_stream": (renderer, lambda rng, count: np.tile(pose, (count, 1, 1))),
+        "torch_renders": (renderer, pose),
+        "torch_stream": (views, 2),
         "verify": (views.store,),
         "render_file": {
             "scene": scene_file, "outputs": [csv], "eyes": [folder / "bug.eye"],
@@ -528,6 +541,14 @@ def public_calls(folder):
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
             "ground_truth": (pose,), "with_world": (omma.World(scene),),
+            "jacobian": (pose,), "jvp": (pose, {"axis": np.zeros((24, 3))}),
+            "vjp": (pose, np.zeros((1, 24, 3))),
+        }),
+        "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
+            "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),
+        }),
+        "Population": (omma.Population(omma.World(scene), [eye, eye]), {
+            "render": (pose,), "with_eyes": ([eye],),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),
@@ -546,6 +567,11 @@ def public_calls(folder):
             "eval": ([0.01],), "cumulative": ([0.01],), "first_moment_s": ([0.01],),
             "quantile": ([0.5],), "sample": ([0.5],), "transfer": ([10.0],),
         }),
+        "EventSensor": (sensor, {
+            "step": (None, np.ones(24), 0.0), "run": (np.ones((2, 24)), [0.0, 1.0]),
+            "dataset": (events, eye),
+        }),
+        "EventState": (sensor.step(None, np.ones(24), 0.0)[0], {}),
         "FrameFilter": (started, {"filter": (frames[0],)}),
         "VanHaterenSnippe": (adapted, {"filter": (frames[0],)}),
         "Lattice": (omma.eye.lay_directions(0.3), {}),

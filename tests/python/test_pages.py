@@ -43,7 +43,6 @@ rows = np.random.default_rng(1).random((9000, 4)) * (0.3, 0.3, 0.01, 2) + (0, 0,
 rows[:, 3] = np.floor(rows[:, 3])
 np.savetxt("scan.ply", rows, "%.5g", header=header + "end_header", comments="")
 """,
-        7: 'import os; os.symlink("meadow.glb", "garden.glb")',
     },
     "docs/receptors.md": {
         1: """
@@ -66,7 +65,7 @@ dorsal_rim = [omma.receptors.OmmatidiumType("rim", (r7p, r7y))]
 # What a page says comes out of it.
 COMES_OUT = {
     "README.md": "assert responses.shape == errors.shape == (1, 10760, 3)",
-    "docs/closed-loops.md": "assert observations.shape == (32, 200, 3) and responses.any()",
+    "docs/closed-loops.md": "assert observations.shape == (64, 200, 3) and responses.any()",
     "docs/datasets.md": """
 assert evening.sizes["view"] == 40 and len(views) == 80
 assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
@@ -78,6 +77,10 @@ assert len(omma.load_eye("head.csv")) == len(head)
     "docs/fly-columns.md": """
 assert table.r1_6.shape == (1, 1696) and movie.shape == (1, 3, 1, 721)
 assert data.sizes["column"] == 1696
+""",
+    "docs/learning.md": """
+assert batch["response"].shape == (16, 200, 3) and batch["yaw_deg"].shape == (16,)
+assert (out == responses).all() and out.any()
 """,
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
     "docs/motion-detection.md": """
@@ -122,7 +125,7 @@ count = 40
 """
 
 # Pages whose snippets need a package that is not one of all tests.
-NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco"}
+NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco", "docs/learning.md": "torch"}
 
 # Pages whose snippets are not run, and why.
 SNIPPETS_NOT_RUN: dict[str, str] = {}
@@ -153,6 +156,7 @@ NOT_RUN = {
     "OMMA_COMPAT_KERNEL=gaussian": "see above",
     "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
     "python examples/python/corridor.py": "minutes; test_corridor_example.py has it small",
+    "python examples/python/ppo_corridor.py": "minutes; test_ppo_example.py has it small",
     "python examples/python/looming_and_target.py": "a minute; test_motion_example.py has it small",
 }
 
@@ -212,7 +216,8 @@ def folder(tmp_path):
     for path in (tmp_path / "flight.csv", tmp_path / "examples" / "flight.csv"):
         path.write_text("\n".join(few_poses) + "\n")
     (tmp_path / "job.toml").write_text(JOB)
-    (tmp_path / "meadow.glb").symlink_to(examples / "meadow.glb")
+    for name in ("meadow.glb", "garden.glb"):
+        (tmp_path / name).symlink_to(examples / "meadow.glb")
     left, right = (examples / f"honeybee_worker_{side}.eye" for side in ("left", "right"))
     for name, eye in (("left", left), ("right", right), ("bee", left)):
         (tmp_path / f"{name}.eye").symlink_to(eye)

@@ -245,13 +245,28 @@ def test_splats_cast_shadows_and_light_surfaces():
 
 
 def test_a_lit_world_says_so_once(white_sky, monkeypatch):
-    monkeypatch.setattr("omma.scene.lighting._told_of_splats", [])
+    monkeypatch.setattr("omma.scene.lighting._told_of_splats", set())
     scene = omma.Scene(splats=[one(0.5, (1, 1, 1))])
-    with pytest.warns(UserWarning, match="do not light Gaussian splats"):
-        omma.World(scene, light=white_sky)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        omma.World(scene, light=white_sky)
+
+    def told(**options):
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            omma.World(scene, light=white_sky, **options)
+        return [str(one.message) for one in found if "do not light Gaussian" in str(one.message)]
+
+    # What is stopped by its warning is no world, and the next one says so again.
+    for _ in range(2):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with pytest.raises(UserWarning, match="do not light Gaussian splats"):
+                omma.World(scene, light=white_sky)
+    (sentence,) = told()
+    assert "a colour of 1 is 1 cd/m²" in sentence
+    assert told() == []
+    # Another size of their light is another sentence.
+    (sentence,) = told(emission_cd_m2=500)
+    assert "a colour of 1 is 500 cd/m²" in sentence
+    assert told(emission_cd_m2=500) == told() == []
 
 
 def test_baking_refuses_splats(white_sky):

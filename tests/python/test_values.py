@@ -139,6 +139,8 @@ def examples(files, tmp_path_factory):
             omma.light.uniform_sky(), omma.receptors.honeybee_ommatidia()[0].receptors
         ),
         "light.Spectrum": omma.light.Spectrum([300, 700], [0.1, 0.2]),
+        "photoreceptors.EventSensor": (sensor := omma.photoreceptors.EventSensor([0.1, 0.2])),
+        "photoreceptors.EventState": sensor.step(None, np.ones(2), 0.5)[0],
         "photoreceptors.FrameFilter": omma.photoreceptors.FrameFilter(
             omma.photoreceptors.ImpulseResponse.box(0.01), 100.0
         ),
@@ -244,7 +246,7 @@ UNHASHABLE = {
     "light.Bands", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
     "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
-    "motion.GroundAt", "motion.Track",
+    "motion.GroundAt", "motion.Track", "photoreceptors.EventSensor", "photoreceptors.EventState",
     "rendering.GroundTruth",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",

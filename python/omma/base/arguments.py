@@ -34,6 +34,7 @@ def as_named(**names: str) -> Iterator[None]:
         message = str(error)
         for inside, here in names.items():
             message = re.sub(rf"(^|: ){inside}: ", rf"\1{here}: ", message, count=1)
+            message = re.sub(rf"(?<![\w.]){inside}=", f"{here}=", message)
         raise Error(message) from None
 
 
@@ -167,6 +168,7 @@ _OWN = {
     "CaptureCameras": "omma.scene.CaptureCameras",
     "SplatCloud": "omma.scene.SplatCloud",
     "DetectorState": "omma.motion.DetectorState",
+    "EventState": "omma.photoreceptors.EventState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
     "GroundTruth": "omma.rendering.GroundTruth",

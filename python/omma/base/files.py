@@ -21,6 +21,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.addresses import SentFiles, check_address, expect_local, is_address, local_path
 from omma.base.directories import WholeDirectory, abandoned_directories
+from omma.base.progress import Progress
 
 PathLike = str | os.PathLike[str]
 
@@ -75,6 +76,29 @@ def reading(path: PathLike, what: str) -> Iterator[None]:
     except Exception as error:  # each library has its own, and more than it says
         why = " ".join(str(error).split()) or type(error).__name__
         raise Error(f"{os.fsdecode(path)}: cannot be read as {what}: {why:.300}") from None
+
+
+@contextmanager
+def reading_told(path: PathLike, what: str, progress: Progress | None) -> Iterator[Progress | None]:
+    """As `reading`. The block gets a progress function: what ``progress`` raises is its caller's,
+    not the file's fault."""
+    raised: list[BaseException] = []
+
+    def tell(share: float) -> None:
+        try:
+            assert progress is not None
+            progress(share)
+        except BaseException as error:
+            raised.append(error)
+            raise
+
+    try:
+        with reading(path, what):
+            yield None if progress is None else tell
+    except Error:
+        if raised:
+            raise raised[0] from None
+        raise
 
 
 class WholeFiles:

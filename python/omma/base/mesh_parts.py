@@ -5,6 +5,7 @@ meshes of double precision, placed so that none of it is lost.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,11 +96,21 @@ def offset_of(positions: list[Floats]) -> Floats:
         return np.zeros(3)
     low = np.min([one.min(axis=0) for one in all_of], axis=0)
     high = np.max([one.max(axis=0) for one in all_of], axis=0)
+    return np.zeros(3) if all(map(is_single, all_of)) else far_middle(low, high)
+
+
+def far_middle(low: Floats, high: Floats) -> Floats:
+    """The middle (3,) of a box far from zero, 0 of any other."""
     with np.errstate(over="ignore", invalid="ignore"):
         half, middle = (high - low) / 2, low / 2 + high / 2
         is_far = np.abs(middle).max() > _NEAR * half.max() and np.isfinite(middle).all()
-        is_exact = all((one.astype(np.float32) == one).all() for one in all_of)
-    return middle if is_far and not is_exact else np.zeros(3)
+    return middle if is_far else np.zeros(3)
+
+
+def is_single(values: NDArray[np.floating[Any]]) -> bool:
+    """Whether single precision has all these numbers as they are."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool((values.astype(np.float32) == values).all())
 
 
 def linear(encoded: Floats) -> Floats:

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from omma.cli.help import App
-from omma.cli.working import check_outputs, say, working
+from omma.cli.working import check_outputs, say, warn, working
 from omma.datasets.contact_sheet import contact_sheet
 from omma.datasets.description import describe
 from omma.datasets.job_file import load_job
@@ -144,6 +144,8 @@ def run(
                     file=sys.stderr,
                 )
             raise
+    for sentence in report.warnings:
+        warn(sentence)
     if report.made == 0:
         say(f"{report.store}: all {report.views:,} views were there")
         return

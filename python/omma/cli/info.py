@@ -10,7 +10,7 @@ import typer
 from omma._core import Error
 from omma.base.figures import figure_names
 from omma.cli.help import App
-from omma.cli.options import SceneUpOption
+from omma.cli.options import SceneUpOption, SceneVoxelOption
 from omma.cli.working import check_outputs, say, working
 from omma.job.info import describe_devices, describe_file
 from omma.picture.capture_plots import plot_capture_cameras
@@ -33,6 +33,8 @@ What an eye is like as an eye is measured by **omma eye info**.
 `omma info scan.stl --unit mm --up z`
 
 `omma info forest.xyz`
+
+`omma info forest.xyz --voxel-m 0.05`
 
 `omma info garden.spz`
 
@@ -67,6 +69,7 @@ def info(
         ),
     ] = None,
     up: SceneUpOption = None,
+    voxel_m: SceneVoxelOption = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -93,7 +96,7 @@ def info(
     if names and not is_capture(file):
         raise Error(f"--output: is for the cameras of a capture, found {file}")
     with working() as bar:
-        lines = describe_file(file, unit, up, bar.fraction_of(READING))
+        lines = describe_file(file, unit, up, bar.fraction_of(READING), voxel_m=voxel_m)
         if names:
             cameras = load_capture_cameras(file, unit="m" if unit is None else unit, up=up)
             plot_capture_cameras(names, cameras)

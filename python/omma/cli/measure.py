@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 import typer
@@ -25,6 +25,7 @@ from omma.cli.options import (
     SceneArgument,
     SceneUnitOption,
     SceneUpOption,
+    SceneVoxelOption,
     ThreadsOption,
     help_of,
     sensitivity_of,
@@ -166,6 +167,7 @@ def min_samples_command(
     unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
     fraction: Annotated[
         float, typer.Option(help="Standard deviation over full scale.", metavar="SHARE")
     ] = 0.01,
@@ -188,7 +190,7 @@ def min_samples_command(
             where = Cylinder(cylinder[:3], *cylinder[3:])
         else:
             where = load_poses(path)  # type: ignore[arg-type]
-        world = _open(scene, scene_unit, scene_up, threads, bar)
+        world = _open(_SceneFile(scene, scene_unit, scene_up, scene_voxel_m), threads, bar)
         eyes = [(name, load_eye(name, unit)) for name in eye or ()]
         found = [
             minimum_samples(
@@ -225,6 +227,7 @@ def variance_map_command(
     ],
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
     steps: Annotated[int, typer.Option(help="Cells along a side.", metavar="N")] = 21,
     statistic: Annotated[
         Literal["max", "mean"], typer.Option(help="Of the twelve ommatidia.")
@@ -245,7 +248,7 @@ def variance_map_command(
     write = _check_outputs(output, ".npy", ".csv", ".png")
     with working() as bar:
         found = variance_map(
-            _open(scene, scene_unit, scene_up, threads, bar),
+            _open(_SceneFile(scene, scene_unit, scene_up, scene_voxel_m), threads, bar),
             centre,
             size,
             steps=steps,
@@ -281,6 +284,7 @@ def aliasing_command(
     unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
     camera: CameraOption = None,
     position: PositionOption = None,
     most_rays: Annotated[int, typer.Option(help="Largest number of rays.", metavar="N")] = 512,
@@ -294,7 +298,8 @@ def aliasing_command(
     write = _check_outputs(output, ".csv", ".png")
     rays = [2**k for k in range(max(1, most_rays).bit_length())]
     with working() as bar:
-        world, head = _open(scene, scene_unit, scene_up, threads, bar), _head(eye, unit)
+        read = _SceneFile(scene, scene_unit, scene_up, scene_voxel_m)
+        world, head = _open(read, threads, bar), _head(eye, unit)
         pose = _pose(world.scene, camera, position)
         curves = {
             method: alias_curve(
@@ -327,6 +332,7 @@ def speed_command(
     unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
     camera: CameraOption = None,
     position: PositionOption = None,
     rays: Annotated[
@@ -349,7 +355,7 @@ def speed_command(
     except ValueError:
         raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
     with working() as bar:
-        world = _read(scene, scene_unit, scene_up, bar)
+        world = _read(_SceneFile(scene, scene_unit, scene_up, scene_voxel_m), bar)
         head = _head(eye, unit)
         found = measure_speed(
             world,
@@ -372,14 +378,29 @@ def speed_command(
     _say_written(write)
 
 
-def _read(scene: Path, unit: str | None, up: str | None, bar: DelayedBar) -> Scene:
-    with as_named(unit="scene_unit", up="scene_up"):
-        return load_scene(scene, unit=unit, up=up, progress=bar.fraction_of(READING))
+class _SceneFile(NamedTuple):
+    """A scene's file and how it is read."""
+
+    path: Path
+    unit: str | None
+    up: str | None
+    voxel_m: float | None
 
 
-def _open(scene: Path, unit: str | None, up: str | None, threads: int, bar: DelayedBar) -> Renderer:
+def _read(scene: _SceneFile, bar: DelayedBar) -> Scene:
+    with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
+        return load_scene(
+            scene.path,
+            unit=scene.unit,
+            up=scene.up,
+            voxel_m=scene.voxel_m,
+            progress=bar.fraction_of(READING),
+        )
+
+
+def _open(scene: _SceneFile, threads: int, bar: DelayedBar) -> Renderer:
     """A renderer of the scene, to make others from."""
-    world = _read(scene, unit, up, bar)
+    world = _read(scene, bar)
     return scene_renderer(world, threads, stage_of(bar.show, BUILDING))
 
 

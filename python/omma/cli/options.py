@@ -54,6 +54,37 @@ SceneUpOption = Annotated[
         metavar="AXIS",
     ),
 ]
+SceneVoxelOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Of points of a scan: side of the cells of a grid, in metres, in each of which their "
+        "mean is one disc. Default: each point is one.",
+        metavar="METRES",
+    ),
+]
+CaptureCamerasOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Where the photographs were taken from of which the scene was made: a folder of "
+        "COLMAP, transforms.json, cameras.json. Responses come with how near the nearest was: "
+        "camera_distance and camera_angle.",
+        metavar="FILE",
+    ),
+]
+CaptureUnitOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Unit of lengths in --capture-cameras. Default: as --scene-unit.", metavar="UNIT"
+    ),
+]
+CaptureUpOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Axis that is up in --capture-cameras: y, z or -y. Default: as --scene-up; without "
+        "it, z in transforms.json, else -y.",
+        metavar="AXIS",
+    ),
+]
 
 EyeUnitOption = Annotated[
     str,

@@ -12,6 +12,9 @@ from omma.cli.help import App
 from omma.cli.options import (
     BackendOption,
     BackgroundOption,
+    CaptureCamerasOption,
+    CaptureUnitOption,
+    CaptureUpOption,
     DeviceOption,
     GammaOption,
     GroundOption,
@@ -23,6 +26,7 @@ from omma.cli.options import (
     SceneArgument,
     SceneUnitOption,
     SceneUpOption,
+    SceneVoxelOption,
     ThreadsOption,
     UltravioletOption,
     UnitOption,
@@ -78,6 +82,16 @@ An ant's track on the ground, its head 3 mm above it:
 
 `omma render meadow.glb --eye ant.eye --path track.csv --on-ground 0.003 --ground land
 -o walk.npy`
+
+A laser scan, thinned to the mean of each centimetre:
+
+`omma render scan.xyz --scene-voxel-m 0.01 --eye honeybee.eye --position 0 1 0
+-o place.png`
+
+Beside each response how near a camera was, of a place known from photographs:
+
+`omma render garden.spz --capture-cameras garden/sparse/0 --eye honeybee.eye --path flight.csv
+-o near.nc -o near.csv`
 
 A path that takes hours; after Ctrl-C, a kill or a loss of power the same command goes on from where
 it was, to the same numbers:
@@ -139,6 +153,10 @@ def render(
     unit: UnitOption = None,
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
+    capture_cameras: CaptureCamerasOption = None,
+    capture_unit: CaptureUnitOption = None,
+    capture_up: CaptureUpOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -220,6 +238,10 @@ def render(
         ground=tuple(ground or ()),
         scene_unit=scene_unit,
         scene_up=scene_up,
+        scene_voxel_m=scene_voxel_m,
+        capture_cameras=capture_cameras,
+        capture_unit=capture_unit,
+        capture_up=capture_up,
         threads=threads,
         backend=backend,
         devices=tuple(device or ()),

@@ -24,6 +24,7 @@ from omma.cli.options import (
     SceneArgument,
     SceneUnitOption,
     SceneUpOption,
+    SceneVoxelOption,
     ThreadsOption,
     UltravioletOption,
     UnitOption,
@@ -74,6 +75,10 @@ A scan in millimetres, whose z axis points up:
 
 `omma view scan.stl --scene-unit mm --scene-up z --eye honeybee.eye --position 0 1 0`
 
+A laser scan, thinned to the mean of each centimetre:
+
+`omma view scan.xyz --scene-voxel-m 0.01 --eye honeybee.eye --position 0 1 0`
+
 For others on the network, who need the address with its token, which is printed:
 
 `omma view meadow.glb --eye honeybee.eye --host 0.0.0.0 --port 8100`
@@ -100,6 +105,7 @@ def view(
     unit: UnitOption = None,
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
+    scene_voxel_m: SceneVoxelOption = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -158,9 +164,14 @@ def view(
     lit_by, mix = light_and_mix(light, ultraviolet)
     with working() as bar:
         bar.show(READING, None)
-        with as_named(unit="scene_unit", up="scene_up"):
+        with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
             read = read_scene(
-                scene, None, unit=scene_unit, up=scene_up, progress=bar.fraction_of(READING)
+                scene,
+                None,
+                unit=scene_unit,
+                up=scene_up,
+                voxel_m=scene_voxel_m,
+                progress=bar.fraction_of(READING),
             )
         node = None if camera is None else read.camera(camera)
         if eye:
@@ -202,6 +213,7 @@ def view(
                 lit_by,
                 scene_unit=scene_unit,
                 scene_up=scene_up,
+                scene_voxel_m=scene_voxel_m,
             ),
             WindowOptions(
                 pose=pose,

@@ -1,7 +1,8 @@
 from .contact_sheet import contact_sheet
 from .description import describe
+from .for_torch import torch_dataset, torch_render_stream, torch_renders, torch_stream
 from .job_file import Job, load_job
-from .reading import Views, batches, open_views, torch_dataset
+from .reading import Views, batches, open_views
 from .running import RunReport, VerifyReport, run, verify
 from .webdataset import to_webdataset
 
@@ -18,5 +19,8 @@ __all__ = [
     "run",
     "to_webdataset",
     "torch_dataset",
+    "torch_render_stream",
+    "torch_renders",
+    "torch_stream",
     "verify",
 ]

@@ -17,15 +17,21 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike, digests_of
 from omma.base.optional import needs
 from omma.base.values import value_class
+from omma.datasets.job_inputs import (
+    Condition,
+    EyeInput,
+    SceneInput,
+    read_condition,
+    read_eye_input,
+    read_scene_input,
+    same,
+)
 from omma.datasets.samplers import PoseSet, read_pose_set
 from omma.datasets.tables import (
     Table,
     check_unlike,
     choices,
     count,
-    name,
-    number_above_0,
-    numbers,
     tables,
     text,
     texts,
@@ -39,61 +45,15 @@ from omma.rendering.settings import (
     options_of,
     settings_as_record,
 )
-from omma.scene.baking import Bake
 from omma.scene.device_list import ordinals
-from omma.scene.light_words import SKIES
+from omma.scene.gltf_text import names_splats
+from omma.scene.splat_files import is_splat_file
 
 OUTPUTS = ("responses", "errors", "receptors", "truth", "flow", "shares", "pictures")
 # Those that ground truth gives.
 TRUTHS = ("truth", "flow", "shares")
 
 _MOST_SEED = (1 << 63) - 1
-
-
-@dataclass(frozen=True)
-class SceneInput:
-    """A scene file and how it is read."""
-
-    name: str
-    file: str
-    options: dict[str, Any]  # of `omma.load_scene`
-
-
-@dataclass(frozen=True)
-class EyeInput:
-    """One head: eye files together, or a species."""
-
-    name: str
-    files: tuple[str, ...]
-    unit: str | float
-    species: str
-
-
-@dataclass(frozen=True)
-class PlacedObject:
-    """A scene file that is put into a scene."""
-
-    file: str
-    position_m: tuple[float, ...]  # (3,)
-    yaw_deg: float  # to the right, as a head turns
-    scale: float
-
-
-@dataclass(frozen=True)
-class Condition:
-    """How a scene is lit and what stands in it besides."""
-
-    name: str
-    background: str  # as `parse_background` takes it; "" for the scene's own
-    sky: str  # one of `SKIES`; "" for a world without light
-    sky_options: dict[str, Any]
-    world_options: dict[str, Any]  # lighting, depth and others, of `omma.World`
-    objects: tuple[PlacedObject, ...]
-
-    @property
-    def light(self) -> tuple[str, str, dict[str, Any]]:
-        """Its name, the sky and the sky's arguments."""
-        return self.name, self.sky, self.sky_options
 
 
 @value_class
@@ -129,9 +89,22 @@ class Job:
         )
 
     @property
+    def is_captured(self) -> bool:
+        """Whether it is told how near cameras were, in some of its scenes."""
+        return any(one.capture is not None for one in self.scenes)
+
+    @property
+    def may_hold_splats(self) -> bool:
+        """Whether there may be Gaussian splats in some of its worlds."""
+        files = [one.file for one in self.scenes]
+        files += [one.file for condition in self.conditions for one in condition.objects]
+        return any(is_splat_file(file) or names_splats(file) for file in dict.fromkeys(files))
+
+    @property
     def files(self) -> list[str]:
         """Every file it is made of, but for those that scene files name."""
         found = [one.file for one in self.scenes]
+        found += [file for one in self.scenes if one.capture for file in one.capture.files]
         found += [file for one in self.eyes for file in one.files]
         found += [one.file for one in self.poses if one.file]
         for condition in self.conditions:
@@ -171,7 +144,7 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     """The job of what stands in a file; ``said`` is its text."""
     folder = Path(file).resolve().parent
     job = Table(values, file)
-    about = Table(job.take("dataset", _same, {}), f"{file}, dataset")
+    about = Table(job.take("dataset", same, {}), f"{file}, dataset")
     store = about.take("store", text, f"{Path(file).stem}.zarr")
     seed = about.take("seed", lambda value, where: count(value + 1, where) - 1, 0)
     outputs = about.take("outputs", texts, ("responses",))
@@ -181,31 +154,33 @@ def job_from(values: Mapping[str, Any], file: str, said: str) -> Job:
     views_per_chunk = about.take("views_per_chunk", count, 0)
     views_per_shard = about.take("views_per_shard", count, 0)
     about.end()
-    rendering = Table(job.take("rendering", _same, {}), f"{file}, rendering")
+    rendering = Table(job.take("rendering", same, {}), f"{file}, rendering")
     bands = rendering.take("bands", count, 0)
     backend = rendering.take("backend", text, "")
     devices = rendering.take("devices", ordinals, ())
     settings = _settings(rendering)
-    pictures = Table(job.take("pictures", _same, {}), f"{file}, pictures")
+    pictures = Table(job.take("pictures", same, {}), f"{file}, pictures")
     width = pictures.take("width", count, 128)
     projection = pictures.take("projection", text, None)
     pictures.end()
-    scenes = tuple(_scene(one, folder) for one in job.take("scene", tables))
-    eyes = tuple(_eye(one, folder) for one in job.take("eye", tables))
-    conditions = tuple(_condition(one, folder) for one in job.take("condition", tables, [])) or (
-        Condition("plain", "", "", {}, {}, ()),
-    )
+    scenes = tuple(read_scene_input(one, folder) for one in job.take("scene", tables))
+    eyes = tuple(read_eye_input(one, folder) for one in job.take("eye", tables))
+    conditions = tuple(
+        read_condition(one, folder) for one in job.take("condition", tables, [])
+    ) or (Condition("plain", "", "", {}, {}, ()),)
     poses = tuple(
         read_pose_set(one, folder, [scene.name for scene in scenes])
         for one in job.take("poses", tables)
     )
-    slurm = dict(Table(job.take("slurm", _same, {}), f"{file}, slurm").rest())
+    slurm = dict(Table(job.take("slurm", same, {}), f"{file}, slurm").rest())
     job.end()
     for kind, inputs in (("scene", scenes), ("eye", eyes), ("condition", conditions)):
         check_unlike([one.name for one in inputs], f"{file}, {kind}")
     check_unlike([one.name for one in poses], f"{file}, poses")
     check_unlike(instances, f"{file}, dataset.instances")
     _check_together(file, outputs, settings, conditions)
+    if any(one.capture for one in scenes) and isinstance(settings.sampling, Shared):
+        raise Error(f"{file}, rendering.shared: expected samples where there are capture_cameras")
     _check_truths(file, outputs, instances, poses)
     plain = {key: value for key, value in values.items() if key not in ("slurm",)}
     if devices:
@@ -265,99 +240,21 @@ def _check_truths(
             )
 
 
-def _scene(table: Table, folder: Path) -> SceneInput:
-    file = table.take("file", _file_in(folder))
-    options = {
-        "scene_index": table.take("scene_index", lambda value, where: count(value + 1, where) - 1,
-                                  None),
-        "color_rule": table.take("color_rule", text, "gltf"),
-        "unit": table.take("unit", _same, None),
-        "up": table.take("up", text, None),
-    }  # fmt: skip
-    found = SceneInput(table.take("name", name, _plain_name(file)), file, options)
-    table.end()
-    return found
-
-
-def _eye(table: Table, folder: Path) -> EyeInput:
-    species = table.take("species", text, "")
-    files = table.take("files", texts, ())
-    if bool(species) == bool(files):
-        raise Error(f"{table.where}: expected either files or a species")
-    read = _file_in(folder)
-    found = EyeInput(
-        table.take("name", name, species or _plain_name(files[0] if files else "")),
-        tuple(read(file, f"{table.where}.files") for file in files),
-        table.take("unit", _same, "mm"),
-        species,
-    )
-    table.end()
-    return found
-
-
-def _condition(table: Table, folder: Path) -> Condition:
-    called = table.take("name", name)
-    background = table.take("background", text, "")
-    if (folder / background).is_file():
-        background = str(folder / background)
-    sky, sky_options = "", {}
-    if table.has("light"):
-        light = Table(table.take("light", _same), f"{table.where}.light")
-        sky = light.take("sky", choices(SKIES))
-        sky_options = light.rest()
-    world = {
-        key: table.take(key, _same)
-        for key in ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
-        if table.has(key)
-    }
-    if table.has("bake"):
-        world["bake"] = _bake(Table(table.take("bake", _same), f"{table.where}.bake"))
-    if world and not sky:
-        raise Error(f"{table.where}.{next(iter(world))}: goes with a light")
-    if sky:
-        world.setdefault("lighting", "path")
-    if "bake" in world and world["lighting"] != "baked":
-        raise Error(f'{table.where}.bake: goes with lighting = "baked"')
-    objects = tuple(_object(one, folder) for one in table.take("object", tables, []))
-    table.end()
-    return Condition(called, background, sky, sky_options, world, objects)
-
-
-def _bake(table: Table) -> Bake:
-    given = {key: table.take(key, _same, None) for key in ("cell_m", "paths", "most_bytes", "seed")}
-    table.end()
-    try:
-        return Bake(**{key: value for key, value in given.items() if value is not None})
-    except (Error, TypeError) as error:
-        raise Error(f"{table.where}: {error}") from None
-
-
-def _object(table: Table, folder: Path) -> PlacedObject:
-    found = PlacedObject(
-        table.take("file", _file_in(folder)),
-        table.take("position_m", numbers(3), (0.0, 0.0, 0.0)),
-        table.take("yaw_deg", lambda value, where: numbers(1)([value], where)[0], 0.0),
-        table.take("scale", number_above_0, 1.0),
-    )
-    table.end()
-    return found
-
-
 def _settings(table: Table) -> Settings:
     """Of the table, which ends with it."""
     ways: dict[str, Sampling] = {}
     try:
         if table.has("samples"):
-            ways["samples"] = Fixed(table.take("samples", _same))
+            ways["samples"] = Fixed(table.take("samples", same))
         if table.has("shared"):
-            ways["shared"] = Shared(table.take("shared", _same))
+            ways["shared"] = Shared(table.take("shared", same))
         if table.has("error") or table.has("relative_error"):
             of_error = [one.name for one in options_of(ToError)]
-            ways["error"] = ToError(**{key: table.take(key, _same, None) for key in of_error})
+            ways["error"] = ToError(**{key: table.take(key, same, None) for key in of_error})
         if len(ways) > 1:
             raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
         names = [*(one.name for one in options_of(Settings)), "kernel"]  # the old name too
-        options = {name: table.take(name, _same) for name in names if table.has(name)}
+        options = {name: table.take(name, same) for name in names if table.has(name)}
         settings = Settings(next(iter(ways.values()), Settings.sampling), **options)
     except (Error, TypeError) as error:
         raise Error(f"{table.where}: {error}") from None
@@ -366,27 +263,9 @@ def _settings(table: Table) -> Settings:
         *(one.name for one in options_of(ToError)),
         "shared",
     ):
-        table.take(one, _same, None)
+        table.take(one, same, None)
     table.end()
     return settings
-
-
-def _file_in(folder: Path) -> Any:
-    def read(value: Any, where: str) -> str:
-        file = str(folder / text(value, where))
-        if not os.path.isfile(file):
-            raise Error(f"{where}: expected a file, found none at {file}")
-        return os.path.normpath(file)
-
-    return read
-
-
-def _plain_name(file: str) -> str:
-    return "".join(letter if letter.isalnum() else "_" for letter in Path(file).stem) or "_"
-
-
-def _same(value: Any, where: str) -> Any:
-    return value
 
 
 def _as_json(value: Any) -> Any:

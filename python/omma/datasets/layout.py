@@ -23,7 +23,7 @@ from omma.datasets.shard_bytes import COMPRESSION, chunk_bytes, shard_bytes
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
 from omma.rendering.labelled_files import load_package, write_coordinate
-from omma.rendering.labels import Labels, labels_of, pose_variables
+from omma.rendering.labels import Labels, camera_variables, labels_of, pose_variables
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, truth_variables
@@ -225,6 +225,9 @@ def _variables(job: Job, eye: Eye, labels: Labels) -> tuple[dict[str, Variable],
         kind = "shares" if name == "share" else "flow" if name.startswith("flow") else "truth"
         if dimensions[0] != "pose":
             coordinates[name] = (dimensions, values, about)
+        elif name in camera_variables("pose"):
+            shape = values.shape[1:]
+            found[name] = Variable(dimensions[1:], shape, values.dtype.name, about, bool(shape))
         elif kind in job.outputs:
             found[name] = Variable(dimensions[1:], values.shape[1:], values.dtype.name, about)
     if "flow" in job.outputs:
@@ -251,6 +254,10 @@ def _no_truth(job: Job, ommatidia: int) -> GroundTruth:
         more |= dict.fromkeys(
             ("flow_rotation_rad_s", "flow_translation_rad_s", "flow_objects_rad_s"), three[..., :2]
         )
+    if job.may_hold_splats:
+        more["source_distance_m"] = one
+    if job.is_captured:
+        more |= {"camera_distance_m": np.zeros(1), "camera_angle_deg": one}
     return GroundTruth(three, one, one, one, one, three.astype(np.float64), three, **more)
 
 

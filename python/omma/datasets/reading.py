@@ -1,4 +1,4 @@
-"""Views read back for training: in any order, in batches, ahead of time, as a PyTorch data set."""
+"""Views read back for training: in any order, in batches, ahead of time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import checked, one_of, whole
 from omma.base.files import PathLike, reading
-from omma.base.optional import needs
 from omma.base.values import value_class
 from omma.datasets.layout import VIEW
 from omma.datasets.records import open_store, read_manifest, read_record, shards_done
@@ -165,22 +164,6 @@ def batches(
     if shuffle:
         np.random.default_rng((seed, epoch)).shuffle(order)
     return _read_ahead(views, [order[k : k + size] for k in range(0, len(order), size)], ahead)
-
-
-@checked
-def torch_dataset(views: Views) -> Any:
-    """Views as a `torch.utils.data.Dataset`, whose batches a `DataLoader` reads together.
-
-    Start a loader's workers with ``multiprocessing_context="spawn"``: Zarr has threads, which a
-    forked process lacks.
-
-    Raises:
-        omma.Error: no PyTorch.
-    """
-    needs("torch", "", "torch_dataset: needs PyTorch")
-    from omma.datasets.torch_views import TorchViews
-
-    return TorchViews(views)
 
 
 def _read_ahead(views: Views, pieces: list[NDArray[np.int64]], ahead: int) -> Iterator[Batch]:

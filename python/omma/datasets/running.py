@@ -41,7 +41,7 @@ from omma.datasets.records import (
     writing,
 )
 from omma.datasets.shards import render_shard, write_shard
-from omma.datasets.worlds import Workshop, check_instances, load_eyes
+from omma.datasets.worlds import Workshop, check_instances, load_cameras, load_eyes
 from omma.rendering.labelled_files import ZARR_MARKER
 from omma.scene.world import World
 
@@ -57,6 +57,7 @@ class RunReport:
     made: int  # shards, by this run
     views_made: int
     seconds: float  # spent on making them, without reading and checking inputs
+    warnings: tuple[str, ...] = ()  # of scenes that this process has read
 
 
 @value_class
@@ -120,6 +121,7 @@ def run(
     path = os.path.abspath(job.store if store is None else expect_local(store, "a data set"))
     tell("Checking inputs", None)
     eyes = load_eyes(job)
+    load_cameras(job)
     plan = make_plan(job, view_bytes(make_layouts(job, eyes)))
     layouts = make_layouts(job, eyes, plan)
     digests = digests_of_inputs(job)
@@ -129,14 +131,16 @@ def run(
         missing = sorted(set(range(plan.shards)) - set(done))
         _remove_left(path, plan, layouts, missing)
         start = time.perf_counter()
+        told: tuple[str, ...] = ()
         if missing and (dask is not None or slurm):
             with scheduler_of(job, dask, slurm) as client:
                 make_on_cluster(client, path, job, digests, plan, layouts, missing, tell)
             _remove_left(path, plan, layouts, missing)  # of workers that were killed
         elif missing:
-            _make_here(path, job, digests, plan, layouts, missing, threads, tell)
+            told = _make_here(path, job, digests, plan, layouts, missing, threads, tell)
     made = sum(len(plan.views_of(shard)) for shard in missing)
-    return RunReport(path, plan.views, plan.shards, len(missing), made, time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    return RunReport(path, plan.views, plan.shards, len(missing), made, seconds, told)
 
 
 @checked
@@ -202,8 +206,9 @@ def _make_here(
     missing: list[int],
     threads: int,
     tell: Stage,
-) -> None:
-    """Render shards one after the other; each is written while the next is rendered."""
+) -> tuple[str, ...]:
+    """Render shards one after the other; each is written while the next is rendered. What there is
+    to warn of the scenes."""
     tell("Building worlds", None)
     workshop = Workshop(job, digests, threads)
     with ThreadPoolExecutor(1) as writer:
@@ -221,6 +226,7 @@ def _make_here(
             tell_share(1.0)
         if written is not None:
             written.result()
+    return tuple(workshop.warnings)
 
 
 def _remove_left(path: str, plan: Plan, layouts: dict[str, Layout], missing: list[int]) -> None:

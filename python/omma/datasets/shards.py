@@ -11,7 +11,7 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,12 +25,13 @@ from omma.datasets.job_file import TRUTHS, Job
 from omma.datasets.layout import HEAD_MOTION, Layout, is_to_error
 from omma.datasets.plan import Plan
 from omma.datasets.records import record_file
-from omma.datasets.worlds import Workshop
+from omma.datasets.worlds import Workshop, names_of_things
 from omma.picture.band_colours import colours_of
 from omma.picture.projections import projection_ids
 from omma.rendering.labels import pose_variables
 from omma.rendering.renderer import Renderer
 from omma.rendering.truth import GroundTruth, truth_variables
+from omma.scene.capture_cameras import CaptureCameras
 
 Arrays = dict[str, NDArray[Any]]
 Motion = tuple[NDArray[np.float64], NDArray[np.float64]]  # linear, angular velocities
@@ -98,10 +99,13 @@ def render_shard(
                 if progress is not None:
                     progress((done + share * count) / (len(views) * len(layouts)))
 
-            renderer = workshop.renderer(block, eye)
-            rendered.append(_render(workshop.job, renderer, some, motion, numbers.start, tell))
+            renderer, cameras = workshop.renderer(block, eye), workshop.cameras(block)
+            rendered.append(
+                _render(workshop.job, renderer, some, motion, cameras, numbers.start, tell)
+            )
             done += len(some)
-        found[eye] = {**of_poses, **_joined(rendered)}
+        counts = [len(some) for some in poses]
+        found[eye] = {**of_poses, **_joined(rendered, counts, layouts[eye], of_poses)}
     return RenderedShard(shard, views, found, time.perf_counter() - start)
 
 
@@ -150,6 +154,7 @@ def _render(
     renderer: Renderer,
     poses: NDArray[np.float64],
     motion: Motion | None,
+    cameras: CaptureCameras | None,
     first: int,
     progress: Callable[[float], object],
 ) -> Arrays:
@@ -157,11 +162,16 @@ def _render(
     found: Arrays = {}
     asked: dict[str, Any] = {"first_pose": first, "progress": progress}
     errors = "errors" in job.outputs or is_to_error(job)
-    if set(TRUTHS).intersection(job.outputs):
-        things = {one.name for one in renderer.world.instances}
+    if set(TRUTHS).intersection(job.outputs) or cameras is not None:
+        things = names_of_things(renderer.world.scene)
         there = [name for name in job.instances if name in things]
         truth = renderer.ground_truth(
-            poses, shares=there, head_velocity=motion, standard_error=errors, **asked
+            poses,
+            shares=there,
+            head_velocity=motion,
+            capture_cameras=cameras,
+            standard_error=errors,
+            **asked,
         )
         found["response"] = truth.responses
         if truth.standard_error is not None:
@@ -202,7 +212,17 @@ def _pictures(job: Job, renderer: Renderer, responses: NDArray[np.float32]) -> N
     return np.stack([_core.paint(ids, np.ascontiguousarray(one), 2.2) for one in shown])
 
 
-def _joined(rendered: list[Arrays]) -> Arrays:
-    if len(rendered) == 1:
-        return rendered[0]
-    return {name: np.concatenate([one[name] for one in rendered]) for name in rendered[0]}
+def _joined(
+    rendered: list[Arrays], counts: Sequence[int], layout: Layout, known: Collection[str]
+) -> Arrays:
+    """What a layout has beside what is ``known`` of several parts, one after the other; NaN where a
+    part has none: source distances without splats, cameras of what was not captured."""
+    joined: Arrays = {}
+    for name, variable in layout.variables.items():
+        if name not in known:
+            parts = [
+                part[name] if name in part else np.full((count, *variable.shape), np.nan)
+                for part, count in zip(rendered, counts, strict=True)
+            ]
+            joined[name] = np.concatenate(parts).astype(variable.dtype, copy=False)
+    return joined

@@ -14,10 +14,11 @@ import numpy as np
 
 from omma import light, species
 from omma._core import Error, Eye, Scene, merge_eyes
-from omma.base.arguments import one_of
+from omma.base.arguments import as_named, one_of
 from omma.base.poses import Matrices, poses_from_angles
 from omma.datasets.free_space import FreeSpace
-from omma.datasets.job_file import Condition, EyeInput, Job, PlacedObject, SceneInput
+from omma.datasets.job_file import Job
+from omma.datasets.job_inputs import Condition, EyeInput, PlacedObject, SceneInput
 from omma.datasets.plan import Block
 from omma.datasets.samplers import Floats, sample_poses, sample_velocities
 from omma.datasets.walks import walk_poses, walk_velocities
@@ -25,8 +26,10 @@ from omma.eye.files import load_eye
 from omma.light import Bands, Light
 from omma.rendering.renderer import Renderer
 from omma.scene.backgrounds import parse_background
+from omma.scene.capture_cameras import CaptureCameras, load_capture_cameras
 from omma.scene.files import read_scene
 from omma.scene.joining import merge_scenes, place_scene
+from omma.scene.light_words import warnings_of
 from omma.scene.world import World
 
 # Worlds and walks that are kept: those that neighbouring shards share.
@@ -37,6 +40,17 @@ _WALKS = 4
 def load_eyes(job: Job) -> dict[str, Eye]:
     """The eyes of a job, by name."""
     return {one.name: _eye(one) for one in job.eyes}
+
+
+def load_cameras(job: Job) -> dict[str, CaptureCameras]:
+    """From which captured scenes are known, by the scene's name."""
+    found = {}
+    for one in job.scenes:
+        if one.capture is not None:
+            given = one.capture
+            with as_named(unit="capture_unit", up="capture_up"):
+                found[one.name] = load_capture_cameras(given.path, unit=given.unit, up=given.up)
+    return found
 
 
 def make_light(condition: str, sky: str, options: dict[str, Any], bands: int) -> Light | None:
@@ -58,9 +72,14 @@ class Workshop:
         """``digests``: of the inputs, as they were when the data set was begun."""
         self.job = job
         self.eyes = load_eyes(job)
+        self._cameras = load_cameras(job)
         self._digests, self._threads = digests, threads
-        files = [one.files for one in job.eyes] + [one.files for one in job.poses]
-        for file in sum(files, ()):
+        self.warnings: dict[str, None] = {}
+        """What there is to warn of the scenes that were read, in their order."""
+        files = [file for one in job.eyes for file in one.files]
+        files += [file for one in job.poses for file in one.files]
+        files += [file for one in job.scenes if one.capture for file in one.capture.files]
+        for file in files:
             self._check(file)
         self._lock = threading.Lock()  # threads of one worker wait for the world one of them builds
         self._worlds: OrderedDict[tuple[Any, ...], tuple[World, FreeSpace]] = OrderedDict()
@@ -82,6 +101,10 @@ class Workshop:
                     **self.job.settings.options(),
                 )
             return self._renderers[key]
+
+    def cameras(self, block: Block) -> CaptureCameras | None:
+        """From which the scene of a block is known, where it was captured."""
+        return self._cameras.get(self.job.scenes[block.scene].name)
 
     def poses(self, block: Block, numbers: range) -> Matrices:
         """The poses (P, 4, 4) of a block with these numbers."""
@@ -161,8 +184,11 @@ class Workshop:
 
     def _read(self, file: str, options: dict[str, Any]) -> Scene:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # the scene's own warnings are in the manifest
+            warnings.simplefilter("ignore")
             scene = read_scene(file, **options)
+        is_lit = any(one.sky for one in self.job.conditions)
+        told = (f"{file}: {sentence}" for sentence in warnings_of(scene, is_lit))
+        self.warnings |= dict.fromkeys(told)
         self._check(file)
         return scene
 
@@ -176,9 +202,14 @@ def check_instances(job: Job) -> None:
     for file, options in files.items() if job.instances else ():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            known |= dict.fromkeys(one.name for one in read_scene(file, **options).instances)
+            known |= dict.fromkeys(names_of_things(read_scene(file, **options)))
     for name in job.instances:
         one_of(name, sorted(known), f"{job.path}, dataset.instances")
+
+
+def names_of_things(scene: Scene) -> list[str]:
+    """Of instances and clouds of splats, whose shares of the field can be told."""
+    return [*(one.name for one in scene.instances), *(one.name for one in scene.splats)]
 
 
 def _eye(one: EyeInput) -> Eye:

@@ -1,8 +1,9 @@
 """Closed loops: an eye, a way to move and a reward as a Gymnasium environment, or as many of them
 whose frames are rendered in one call.
 
-`loop` is what a loop is and an episode of it, and knows nothing of Gymnasium; `environments` has
-the two classes, imported only where Gymnasium is installed.
+`loop` is what a loop is, `episodes` are its runs, one after another or all in arrays (`states`);
+they know nothing of Gymnasium. `environments` has the two classes, imported only where Gymnasium is
+installed.
 """
 
 import lazy_loader

@@ -13,9 +13,12 @@ from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import NDArray
 
 from omma._core import Error
-from omma.gym.loop import Episode, Loop, Moment, Responses, render_poses
+from omma.gym.episodes import Where, episodes_of, see_poses
+from omma.gym.loop import Loop, Responses
 
 Bools = NDArray[np.bool_]
+
+_NOT_OVER = np.zeros(1, bool)
 
 
 def _spaces(
@@ -53,27 +56,25 @@ class EyeEnv(gymnasium.Env[Responses, Any]):
         self.metadata = {"render_modes": []}
         self._limits = loop.limits()
         self.observation_space, self.action_space = _spaces(loop, self._limits)
-        self._episode = Episode(loop)
+        self._episodes = episodes_of(loop, 1)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Responses, dict[str, Any]]:
         """Start an episode; ``options`` are not used."""
         super().reset(seed=seed)
-        moment = self._seen(*self._episode.begin(self.np_random))
-        return self._episode.observation(moment), {"pose": moment.pose}
+        return self._seen(self._episodes.begin([self.np_random]))
 
     def step(self, action: Any) -> tuple[Responses, float, bool, bool, dict[str, Any]]:
         """(observation, reward, whether it ended, whether it was cut off, info)."""
-        moment = self._seen(*self._episode.move(action, self.np_random))
-        return (
-            self._episode.observation(moment),
-            *self._episode.judged(moment),
-            {"pose": moment.pose},
-        )
+        actions = np.asarray(action)[None] if self.loop.batched else [action]
+        seen, info = self._seen(self._episodes.advance(actions, _NOT_OVER, [self.np_random]))
+        rewards, ended, cut_off = self._episodes.judged()
+        return seen, float(rewards[0]), bool(ended[0]), bool(cut_off[0]), info
 
-    def _seen(self, pose: Any, transforms: Any) -> Moment:
-        return self._episode.see(render_poses(self.loop, self._limits, [pose], [transforms])[0])
+    def _seen(self, where: Where) -> tuple[Responses, dict[str, Any]]:
+        observations = self._episodes.see(see_poses(self.loop, self._limits, where))
+        return observations[0], {"pose": where[0][0]}
 
 
 class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
@@ -87,7 +88,7 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         self.single_observation_space, self.single_action_space = _spaces(loop, self._limits)
         self.observation_space = batch_space(self.single_observation_space, count)
         self.action_space = batch_space(self.single_action_space, count)
-        self._episodes = [Episode(loop) for _ in range(count)]
+        self._episodes = episodes_of(loop, count)
         self._rngs: list[np.random.Generator] = []
         self._over = np.zeros(count, bool)
 
@@ -97,66 +98,61 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         seed: int | list[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Responses, dict[str, Any]]:
-        """Start all episodes: a seed is the first one's, which the others count on from."""
+        """Start all episodes: a seed is the first one's, which the others count on from. With
+        ``options={"reset_mask": mask}``, (K,) of bool, those where it is True alone; the others
+        stay where they are."""
+        if options is not None and "reset_mask" in options:
+            return self._begun(options["reset_mask"], seed)
         self._rngs = self._seeded(seed)
-        self._over[:] = False
-        begun = [
-            episode.begin(rng) for episode, rng in zip(self._episodes, self._rngs, strict=True)
-        ]
-        moments = self._seen(begun)
-        return self._observations(moments), self._infos(moments)
+        self._over = np.zeros(self.num_envs, bool)
+        return self._seen(self._episodes.begin(self._rngs))
 
     def step(self, actions: Any) -> tuple[Responses, NDArray[np.float64], Bools, Bools, Any]:
         """(observations, rewards, which ended, which were cut off, infos); what was over before
         starts anew, for a reward of 0."""
         if not self._rngs:
             raise Error("step: expected reset() before it")
-        where = [
-            episode.begin(rng) if over else episode.move(action, rng)
-            for episode, rng, over, action in zip(
-                self._episodes,
-                self._rngs,
-                self._over,
-                iterate(self.action_space, actions),
-                strict=True,
-            )
-        ]
-        moments = self._seen(where)
-        rewards = np.zeros(self.num_envs)
-        ended, cut_off = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
-        for k in np.flatnonzero(~self._over):
-            rewards[k], ended[k], cut_off[k] = self._episodes[k].judged(moments[k])
+        each = actions if self.loop.batched else iterate(self.action_space, actions)
+        observations, infos = self._seen(self._episodes.advance(each, self._over, self._rngs))
+        rewards, ended, cut_off = self._episodes.judged()
         self._over = ended | cut_off
-        return self._observations(moments), rewards, ended, cut_off, self._infos(moments)
+        return observations, rewards, ended, cut_off, infos
+
+    def _begun(
+        self, mask: Any, seed: int | list[int | None] | None
+    ) -> tuple[Responses, dict[str, Any]]:
+        chosen = np.asarray(mask)
+        if chosen.dtype != np.bool_ or chosen.shape != (self.num_envs,) or not chosen.any():
+            raise Error(
+                f"reset_mask: expected an array ({self.num_envs},) of bool, True somewhere, found "
+                f"{chosen.dtype} {chosen.shape}"
+            )
+        if seed is not None:
+            raise Error("seed: is for a reset of all, without a reset_mask")
+        which = np.flatnonzero(chosen)
+        where = self._episodes.begin_some(which, self._rngs)
+        observations = self._episodes.see_some(which, see_poses(self.loop, self._limits, where))
+        self._over = self._over & ~chosen
+        poses = np.zeros((self.num_envs, 4, 4))
+        poses[which] = where[0]
+        return observations, {"pose": poses, "_pose": chosen.copy()}
 
     def _seeded(self, seed: int | list[int | None] | None) -> list[np.random.Generator]:
+        count = 1 if self.loop.batched else self.num_envs
         seeds: list[int | None]
         if seed is None or isinstance(seed, (int, np.integer)):
-            seeds = [None if seed is None else int(seed) + k for k in range(self.num_envs)]
+            seeds = [None if seed is None else int(seed) + k for k in range(count)]
         else:
             seeds = [None if one is None else int(one) for one in seed]
-        if len(seeds) != self.num_envs:
-            raise Error(f"seed: expected {self.num_envs} of them, found {len(seeds)}")
-        kept: list[np.random.Generator | None] = [*self._rngs] or [None] * self.num_envs
+        if len(seeds) != count:
+            more = ", as a batched loop has one generator" if self.loop.batched else ""
+            raise Error(f"seed: expected {count} of them{more}, found {len(seeds)}")
+        kept: list[np.random.Generator | None] = [*self._rngs] or [None] * count
         return [
             rng if one is None and rng is not None else seeding.np_random(one)[0]
             for one, rng in zip(seeds, kept, strict=True)
         ]
 
-    def _seen(self, where: list[Any]) -> list[Moment]:
-        poses, transforms = [pose for pose, _ in where], [things for _, things in where]
-        views = render_poses(self.loop, self._limits, poses, transforms)
-        return [episode.see(view) for episode, view in zip(self._episodes, views, strict=True)]
-
-    def _observations(self, moments: list[Moment]) -> Responses:
-        seen = [
-            episode.observation(moment)
-            for episode, moment in zip(self._episodes, moments, strict=True)
-        ]
-        return np.stack(seen)
-
-    def _infos(self, moments: list[Moment]) -> dict[str, Any]:
-        infos: dict[str, Any] = {}
-        for k, moment in enumerate(moments):
-            infos = self._add_info(infos, {"pose": moment.pose}, k)
-        return infos
+    def _seen(self, where: Where) -> tuple[Responses, dict[str, Any]]:
+        observations = self._episodes.see(see_poses(self.loop, self._limits, where))
+        return observations, {"pose": where[0].copy(), "_pose": np.ones(self.num_envs, bool)}

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, expect, whole
-from omma.base.poses import as_poses
 from omma.base.values import value_class
 from omma.gym.bounds import response_bounds
 from omma.rendering.renderer import Renderer
@@ -27,8 +26,10 @@ _MOST_FRAMES = 4096
 class Moment:
     """What is so after a step: what rewards and ends are decided by.
 
+    Of a batched loop all is of K environments: arrays with them along the first axis.
+
     state, before: the caller's own, after the step and before it; at the start the same.
-    action: what was done; None at the start.
+    action: what was done; None at the start (batched: at the start of all).
     pose: ``world_from_head`` (4, 4), m.
     responses: (N, B), the frame that is seen now.
     step: how many steps have been taken since the start.
@@ -42,7 +43,7 @@ class Moment:
     action: Any
     pose: Floats
     responses: Responses
-    step: int
+    step: Any
     nearest_m: Responses | None = None
     distance_m: Responses | None = None
 
@@ -75,6 +76,12 @@ class Loop:
             return (state, pose, transforms), the last ``world_from_node`` (K, 4, 4), m.
         bounds: least and largest response, for the bounds of observations; a response beyond them
             is an error. None: `response_bounds` of the world.
+        batched: functions are of K environments at a time, so that what they do is done in arrays:
+            start(count, rng) -> (states, poses (count, 4, 4)); motion(states, actions, rng) ->
+            (states, poses (K, 4, 4)), with ``transforms`` (K, T, 4, 4) of T things behind;
+            reward(moment) -> (K,), ended(moment) -> (K,) of bool, by a `Moment` of all. States are
+            an array with environments along its first axis, or a dictionary or tuple of such;
+            actions are an array. One generator is that of all environments.
 
     Raises:
         omma.Error: an argument is out of its range, or the renderer does not suit.
@@ -82,16 +89,17 @@ class Loop:
     """
 
     renderer: Renderer
-    start: Callable[[np.random.Generator], tuple[Any, ...]]
+    start: Callable[..., tuple[Any, ...]]
     motion: Callable[[Any, Any, np.random.Generator], tuple[Any, ...]]
-    reward: Callable[[Moment], float]
+    reward: Callable[[Moment], Any]
     action_space: Any
-    ended: Callable[[Moment], bool] | None = None
+    ended: Callable[[Moment], Any] | None = None
     most_steps: int | None = None
     frames: int | None = None
     distances: bool = False
     things: Sequence[str | int] = ()
     bounds: tuple[float, float] | None = None
+    batched: bool = False
 
     def __post_init__(self) -> None:
         expect(self.renderer, Renderer, "renderer", "omma.Renderer(world, eye) makes one")
@@ -108,6 +116,8 @@ class Loop:
             whole(self.most_steps, "most_steps", 1, 2**62)
         if self.frames is not None:
             whole(self.frames, "frames", 1, _MOST_FRAMES)
+        if not isinstance(self.batched, (bool, np.bool_)):
+            raise TypeError(f"batched: expected True or False, found {self.batched!r:.40}")
         if self.bounds is not None:
             least, largest = array_of(self.bounds, "bounds", (2,))
             if not least < largest:
@@ -121,105 +131,3 @@ class Loop:
         below = np.nextafter(np.float32(least), np.float32(-np.inf)) if least < 0 else least
         above = np.nextafter(np.float32(largest), np.float32(np.inf))
         return float(below), float(above)
-
-
-class Episode:
-    """One run of a loop, from start to start. Environments ask it for a pose, render it with those
-    of others, and give it what is seen there."""
-
-    def __init__(self, loop: Loop) -> None:
-        self._loop = loop
-        self._step = -1  # not begun
-        self._state: Any = None
-        self._before: Any = None
-        self._action: Any = None
-        self._pose = np.eye(4)
-        self._frames: Responses | None = None
-
-    def begin(self, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
-        """Where it starts: the pose, and where things are."""
-        self._step, self._frames, self._action = 0, None, None
-        where = self._taken(self._loop.start(rng), "start")
-        self._before = self._state
-        return where
-
-    def move(self, action: Any, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
-        """Where an action leads: the pose, and where things are."""
-        if self._step < 0:
-            raise Error("step: expected reset() before it")
-        self._step += 1
-        self._before, self._action = self._state, action
-        return self._taken(self._loop.motion(self._state, action, rng), "motion")
-
-    def see(self, moment: dict[str, Any]) -> Moment:
-        """What is so now, with what was rendered: responses, and distances if asked for."""
-        responses = moment["responses"]
-        if self._loop.frames is not None:
-            before = self._frames
-            if before is None:
-                before = np.repeat(responses[..., None], self._loop.frames, axis=-1)
-            self._frames = np.concatenate([before[..., 1:], responses[..., None]], axis=-1)
-        return Moment(
-            self._state, self._before, self._action, self._pose, step=self._step, **moment
-        )
-
-    def observation(self, moment: Moment) -> Responses:
-        """As the environment gives it, for the caller to keep."""
-        seen = moment.responses if self._frames is None else self._frames
-        return np.array(seen, np.float32)
-
-    def judged(self, moment: Moment) -> tuple[float, bool, bool]:
-        """(reward, whether it has ended, whether it is cut off)."""
-        loop = self._loop
-        reward = loop.reward(moment)
-        try:
-            worth = float(reward)
-        except (TypeError, ValueError):
-            worth = np.nan
-        if not np.isfinite(worth):
-            raise Error(f"reward: expected a finite number, found {reward!r:.40}")
-        ended = loop.ended is not None and bool(loop.ended(moment))
-        return worth, ended, loop.most_steps is not None and self._step >= loop.most_steps
-
-    def _taken(self, returned: Any, name: str) -> tuple[Floats, Floats | None]:
-        things = len(self._loop.things)
-        wanted = "(state, pose, transforms)" if things else "(state, pose)"
-        if not isinstance(returned, tuple) or len(returned) != (3 if things else 2):
-            raise Error(f"{name}: expected it to return {wanted}, found {returned!r:.60}")
-        try:
-            poses = as_poses(returned[1])
-        except Error as error:
-            raise Error(f"{name}: {error}") from None
-        if len(poses) != 1:
-            raise Error(f"{name}: expected one pose (4, 4), found {len(poses)}")
-        self._state, self._pose = returned[0], poses[0].copy()
-        if not things:
-            return self._pose, None
-        return self._pose, array_of(returned[2], f"{name}: transforms", (things, 4, 4))
-
-
-def render_poses(
-    loop: Loop, limits: tuple[float, float], poses: list[Floats], transforms: list[Floats | None]
-) -> list[dict[str, Any]]:
-    """What is seen at each pose, rendered in one call: `Episode.see` takes them."""
-    matrices = np.stack(poses)
-    moves: Any = {}
-    if loop.things:
-        moves = {"instances": list(loop.things), "transforms": np.stack(transforms)}  # type: ignore[arg-type]
-    if loop.distances:
-        truth = loop.renderer.ground_truth(matrices, **moves)
-        responses = truth.responses
-        found = {"nearest_m": truth.nearest_m, "distance_m": truth.distance_m}
-    else:
-        responses = loop.renderer.render(matrices, **moves)
-        found = {}
-    least, largest = float(responses.min(initial=np.inf)), float(responses.max(initial=-np.inf))
-    if least < limits[0] or largest > limits[1]:
-        raise Error(
-            f"bounds: expected responses from {limits[0]:g} to {limits[1]:g}, found {least:g} to "
-            f"{largest:g}"
-        )
-    return [
-        {"responses": responses[k]} | {name: values[k] for name, values in found.items()}
-        for k in range(len(poses))
-    ]

@@ -51,7 +51,8 @@ def eye_vector_env(loop: Loop, count: int) -> gymnasium.vector.VectorEnv[Any, An
 
     Observations, rewards, ends and infos are, to the bit, those of so many `eye_env` of the same
     seeds in a `gymnasium.vector.SyncVectorEnv`; an environment whose episode is over starts anew at
-    the next step (`AutoresetMode.NEXT_STEP`).
+    the next step (`AutoresetMode.NEXT_STEP`). Of a batched loop one generator is that of all; it
+    takes one seed.
 
     Args:
         count: of environments.

@@ -29,6 +29,7 @@ from omma.job.reports import RenderReport
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
+from omma.scene.capture_cameras import capture_files
 from omma.scene.light_words import words_of_before
 
 
@@ -79,6 +80,7 @@ def render_like(
     eye_files = given or said.take_json("eye_files", is_texts)
     check_eyes(said, eye_files)
     check_background(said)
+    check_cameras(said)
     with reading(name, "responses"):
         poses = data.world_from_head.values
     version = said.take("omma_version", is_text)
@@ -97,6 +99,10 @@ def render_like(
         scene_index=said.take("scene_index", is_count, None),
         scene_unit=said.take("scene_unit_m", is_number, None),
         scene_up=said.take("scene_up", is_text, None),
+        scene_voxel_m=said.take("scene_voxel_m", is_number, None),
+        capture_cameras=said.take("capture_cameras", is_text, None),
+        capture_unit=said.take("capture_unit_m", is_number, None),
+        capture_up=said.take("capture_up", is_text, None),
         threads=threads,
         backend=backend_word(backend),
         background=background,
@@ -152,6 +158,21 @@ def check_background(said: Said) -> None:
     if was != now:
         raise Error(
             f"{background}: is not the background of {said.where}: SHA-256 was "
+            f"{', '.join(was.values())}, is {', '.join(now.values())}"
+        )
+
+
+def check_cameras(said: Said) -> None:
+    """omma.Error where the cameras of a capture are not what they were."""
+    was = said.take_json("capture_sha256", is_object_of_texts, None)
+    if was is None:
+        return
+    path = said.take("capture_cameras", is_text)
+    files = capture_files(path)
+    now = {name: one for file in files for name, one in digests_of(file).items()}
+    if was != now:
+        raise Error(
+            f"{path}: is not what the cameras of {said.where} were: SHA-256 was "
             f"{', '.join(was.values())}, is {', '.join(now.values())}"
         )
 

@@ -26,6 +26,7 @@ from omma.picture.cameras import camera_eye
 from omma.rendering.settings import fixed_samples
 from omma.scene.backgrounds import parse_background
 from omma.scene.building import READING, build_world
+from omma.scene.capture_cameras import CaptureCameras, capture_files, load_capture_cameras
 from omma.scene.files import read_scene
 from omma.scene.light_words import parse_light
 from omma.scene.world import World
@@ -44,6 +45,8 @@ class Begun:
     background: Background | None
     light: dict[str, Any]
     """Arguments of the world."""
+    cameras: CaptureCameras | None
+    """From which a captured world is known."""
     started: float
     """When reading began, s."""
     tell: Stage
@@ -81,22 +84,27 @@ class View:
 
 def begin(job: RenderJob, tell: Stage) -> Begun:
     """Check what can be checked without an eye, and read the scene."""
-    names = output_names(job.outputs, job.standard_error, job.resume, [job.path])
+    is_captured = job.capture_cameras is not None
+    names = output_names(
+        job.outputs, job.standard_error, job.resume, [job.path, *_capture_files(job)], is_captured
+    )
     start = time.perf_counter()
     tell(READING, None)
-    with as_named(unit="scene_unit", up="scene_up"):
+    with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
         scene = read_scene(
             job.scene,
             job.scene_index,
             unit=job.scene_unit,
             up=job.scene_up,
+            voxel_m=job.scene_voxel_m,
             progress=partial(tell, READING),
         )
+    cameras = _cameras(job)
     camera = _camera(scene, job)
     given = job.background
     background = parse_background(given) if isinstance(given, str) else given
     light = {} if job.light is None else parse_light(job.light)
-    begun = Begun(job, names, scene, camera, background, light, start, tell)
+    begun = Begun(job, names, scene, camera, background, light, cameras, start, tell)
     if camera is not None and begun.own_eye_elsewhere and camera.type != "compound":
         raise Error(f"{job.head_is_at}: is for eyes; camera '{camera.name}' is {camera.type}")
     return begun
@@ -120,6 +128,23 @@ def view_of(begun: Begun) -> View:
             "omma.receptors.assign_receptors makes them)"
         )
     return View(head, files, *_poses(begun))
+
+
+def _capture_files(job: RenderJob) -> list[str]:
+    return [] if job.capture_cameras is None else capture_files(job.capture_cameras)
+
+
+def _cameras(job: RenderJob) -> CaptureCameras | None:
+    """Those of the capture, in the scene's unit and with its axis up unless a job says others."""
+    if job.capture_cameras is None:
+        return None
+    unit = job.scene_unit if job.capture_unit is None else job.capture_unit
+    with as_named(unit="capture_unit", up="capture_up"):
+        return load_capture_cameras(
+            job.capture_cameras,
+            unit="m" if unit is None else unit,
+            up=job.scene_up if job.capture_up is None else job.capture_up,
+        )
 
 
 def _camera(scene: Scene, job: RenderJob) -> Camera | None:

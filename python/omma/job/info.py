@@ -59,23 +59,30 @@ def describe_file(
     unit: str | float | None = None,
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
+    *,
+    voxel_m: float | None = None,
 ) -> Lines:
     """What is in a file of a scene, points, splats, cameras of a capture, an eye or responses.
 
     ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
-    ``up`` what is up in these; ``progress`` is told how much of a scene is read.
+    ``up`` what is up in these; ``voxel_m`` is the side of the cells of a grid, by which points of a
+    scan are thinned. ``progress`` is told how much of a scene is read.
 
     Raises:
         omma.Error: the file cannot be read.
     """
+    is_points = is_point_file(os.fsdecode(path))
+    if voxel_m is not None and not is_points:
+        raise Error(f"voxel_m: expected none, as {os.fsdecode(path)} holds no points of a scan")
     if is_capture(path):
         return describe_capture(
             load_capture_cameras(path, unit="m" if unit is None else unit, up=up)
         )
     if is_response_file(path):
         return describe_responses(path)
-    if is_point_file(os.fsdecode(path)):
-        return describe_points(os.fsdecode(path), "m" if unit is None else unit, up, progress)
+    if is_points:
+        name, metres = os.fsdecode(path), "m" if unit is None else unit
+        return describe_points(name, metres, up, progress, voxel_m=voxel_m)
     if Path(os.fsdecode(path)).suffix.lower() in (*MESH_FILES, *SPLAT_FILES):
         return describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
     if is_scene_file(path):

@@ -22,6 +22,12 @@ from omma.rendering.response_files import CsvWriter, NpyWriter, Writer
 # These are made in full size, or end with an index, so that what is cut off is no file.
 WHOLE_SUFFIXES = (".zarr", ".nc", ".parquet", ".mp4")
 SUFFIXES = (*WHOLE_SUFFIXES, ".npy", ".csv", ".png")
+# Of variables in `.npy` files beside the responses.
+_NAMES_BESIDE = {
+    "standard_error": "error",
+    "camera_distance": "camera_distance",
+    "camera_angle": "camera_angle",
+}
 
 
 def output_names(
@@ -29,6 +35,7 @@ def output_names(
     standard_error: bool,
     resume: bool,
     inputs: Sequence[PathLike | None],
+    with_cameras: bool = False,
 ) -> list[str]:
     """The names; omma.Error where one will not do, or is that of an input."""
     several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
@@ -47,7 +54,8 @@ def output_names(
                 f"resume: is for .npy, .csv and .png, found {name}; .npy with the .json beside it "
                 "says as much"
             )
-    every = [file for name in names for file in (name, *_beside(name, standard_error))]
+    beside_each = _variables_beside(standard_error, with_cameras)
+    every = [file for name in names for file in (name, *_beside(name, beside_each))]
     files = [name if is_address(name) else os.path.abspath(name) for name in every]
     read = [os.path.abspath(os.fsdecode(name)) for name in inputs if name is not None]
     for i, file in enumerate(files):
@@ -58,9 +66,9 @@ def output_names(
     return names
 
 
-def error_name(name: str) -> str:
-    """Where the standard errors of the responses in an `.npy` file go: beside it."""
-    return f"{os.path.splitext(name)[0]}.error.npy"
+def beside_name(name: str, variable: str) -> str:
+    """Where another variable than the responses in an `.npy` file goes: beside it."""
+    return f"{os.path.splitext(name)[0]}.{_NAMES_BESIDE[variable]}.npy"
 
 
 def writers_of(
@@ -79,19 +87,22 @@ def writers_of(
     writers: list[Writer] = []
     written: list[str] = []
     shape = labels.shape("response")
+    with_cameras = "camera_angle" in labels.variables
+    beside_each = _variables_beside(standard_error, with_cameras)
     for name in names:
         suffix = Path(name).suffix.lower()
         if suffix == ".npy":
             writers.append(NpyWriter(files, name, shape))
             parts = {"response": Path(name).name}
-            if standard_error:
-                writers.append(NpyWriter(files, error_name(name), shape, of_errors=True))
-                parts["standard_error"] = Path(error_name(name)).name
+            for one in beside_each:
+                file, dtype = beside_name(name, one), labels.variables[one][1]
+                writers.append(NpyWriter(files, file, labels.shape(one), one, dtype))
+                parts[one] = Path(file).name
             files.open(beside(name)).write_header(labels_text(labels, parts).encode())
         elif suffix == ".csv" and receptors:
             writers.append(ReceptorCsvWriter(files, name, eye, standard_error))
         elif suffix == ".csv":
-            writers.append(CsvWriter(files, name, eye, standard_error, shape[2]))
+            writers.append(CsvWriter(files, name, eye, standard_error, shape[2], with_cameras))
         elif suffix == ".png":
             picture = PngWriter(files, name, shape[0], make_paint())
             writers.append(picture)
@@ -105,12 +116,18 @@ def writers_of(
             writers.append(NetcdfWriter(files, name, labels))
         else:
             writers.append(ParquetWriter(files, name, labels))
-        written += [name, *_beside(name, standard_error)]
+        written += [name, *_beside(name, beside_each)]
     return writers, written
 
 
-def _beside(name: str, standard_error: bool) -> list[str]:
+def _variables_beside(standard_error: bool, with_cameras: bool) -> list[str]:
+    """Those that have files of their own beside an `.npy` file."""
+    cameras = ["camera_distance", "camera_angle"] if with_cameras else []
+    return [*(["standard_error"] if standard_error else []), *cameras]
+
+
+def _beside(name: str, variables: Sequence[str]) -> list[str]:
     """Files that come with one."""
     if Path(name).suffix.lower() != ".npy":
         return []
-    return [*([error_name(name)] if standard_error else []), beside(name)]
+    return [*(beside_name(name, one) for one in variables), beside(name)]

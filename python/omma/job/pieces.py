@@ -8,13 +8,18 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
+from omma.rendering.labels import camera_variables
 from omma.rendering.renderer import Renderer
-from omma.rendering.report import SpentRays
+from omma.rendering.report import SpentRays, report_of
 from omma.rendering.response_files import Piece, Writer
+from omma.rendering.settings import ToError
+from omma.rendering.truth import truth_variables
+from omma.scene.capture_cameras import CaptureCameras
 
 # Two pieces are in memory, one that is rendered and one that is written.
 _PIECE_BYTES = 32 << 20
@@ -47,6 +52,46 @@ def render_of_ommatidia(
         return Piece(first, renderer.render(piece, first_pose=first, progress=progress))
 
     return render
+
+
+class BesideCameras:
+    """What renders ommatidia, to the bits of `render_of_ommatidia`, and says beside them how near
+    cameras of the capture were."""
+
+    def __init__(
+        self,
+        renderer: Renderer,
+        cameras: CaptureCameras,
+        standard_error: bool,
+        spent: SpentRays | None,
+    ) -> None:
+        self._renderer, self._cameras = renderer, cameras
+        self._standard_error, self._spent = standard_error, spent
+        self.met = 0
+        """Ommatidia times poses that saw anything but sky."""
+        self.known = 0
+        """Of these, how many saw what a camera had in its field."""
+
+    def __call__(self, piece: Matrices, first: int, progress: Progress) -> Piece:
+        truth = self._renderer.ground_truth(
+            piece,
+            capture_cameras=self._cameras,
+            standard_error=self._standard_error,
+            first_pose=first,
+            progress=progress,
+        )
+        target = self._renderer.settings.sampling
+        errors, rays = truth.standard_error, truth.rays
+        if self._spent is not None and isinstance(target, ToError):
+            assert errors is not None
+            assert rays is not None
+            self._spent.add(report_of(target, truth.responses, errors, rays), first)
+        variables = truth_variables(truth, ("pose", "ommatidium"))
+        beside = {name: variables[name][1] for name in camera_variables("pose")}
+        is_met = np.isfinite(truth.distance_m)
+        self.met += int(is_met.sum())
+        self.known += int((is_met & np.isfinite(beside["camera_angle"])).sum())
+        return Piece(first, truth.responses, errors, rays, beside)
 
 
 def render_of_receptors(

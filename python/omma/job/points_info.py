@@ -11,6 +11,7 @@ from omma._core import Error
 from omma.job.extents import describe_extent
 from omma.job.results_info import Lines
 from omma.scene.memory import free_bytes, words_for_bytes
+from omma.scene.point_cells import CellMeans, Columns
 from omma.scene.point_files import open_points
 from omma.scene.points import Sieve
 from omma.scene.surfel_frames import spacing_of
@@ -27,55 +28,79 @@ _CLASSES = {
 }  # fmt: skip
 
 
+class _Found:
+    """What is known of points that come in pieces; positions are from the sieve's offset on."""
+
+    def __init__(self) -> None:
+        self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
+        self.first: list[np.ndarray] = []
+        self.labels: Counter[int] = Counter()
+        self.count = 0
+
+    def add(self, columns: Columns) -> None:
+        positions = columns["positions"]
+        self.count += len(positions)
+        self.low = np.minimum(self.low, positions.min(axis=0))
+        self.high = np.maximum(self.high, positions.max(axis=0))
+        if sum(map(len, self.first)) < _FIRST:
+            self.first.append(positions)
+        numbers, counts = np.unique(columns.get("labels", ()), return_counts=True)
+        self.labels.update(dict(zip(numbers.astype(int).tolist(), counts.tolist())))
+
+
 def describe_points(
     path: str,
     unit: str | float = "m",
     up: str | None = None,
     progress: Callable[[float], object] | None = None,
+    *,
+    voxel_m: float | None = None,
 ) -> Lines:
-    """Number, size, spacing, classes and colours of a file's points, which is read in pieces."""
-    sieve = Sieve(file := open_points(path), unit, up)
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    first: list[np.ndarray] = []
-    labels: Counter[int] = Counter()
+    """Number, size, spacing, classes and colours of a file's points, which is read in pieces; with
+    ``voxel_m`` of their means in the cells of a grid."""
+    sieve = Sieve(file := open_points(path), unit, up, voxel_m=voxel_m)
+    cells = None if sieve.voxel_m is None else CellMeans(sieve.voxel_m)
+    found = _Found()
     largest: dict[str, float] = {}
     for piece in file.pieces():
         columns = sieve.pass_through(piece, file.whites[-1])
-        positions = columns["positions"]
-        if not len(positions):
+        if not len(columns["positions"]):
             continue
-        low, high = np.minimum(low, positions.min(axis=0)), np.maximum(high, positions.max(axis=0))
-        if sum(map(len, first)) < _FIRST:
-            first.append(positions)
-        numbers, counts = np.unique(columns.get("labels", ()), return_counts=True)
-        labels.update(dict(zip(numbers.astype(int).tolist(), counts.tolist())))
         for name in ("colors", "intensity", "normals"):
             if name in columns:
-                found = np.nanmax(getattr(piece, name), initial=0)
-                largest[name] = max(largest.get(name, 0.0), float(found))
+                value = np.nanmax(getattr(piece, name), initial=0)
+                largest[name] = max(largest.get(name, 0.0), float(value))
+        if cells is None:
+            found.add(columns)
+        else:
+            cells.add(columns)
         if progress is not None:
             progress(min(sieve.read / (file.count or sieve.read), 1.0))
     if sieve.offset_m is None:
         raise Error(f"{path}: expected points, found none of {sieve.read:,} that can be used")
-    size = high - low
-    corners = [", ".join(f"{x:.10g}" for x in one + sieve.offset_m) for one in (low, high)]
-    some = np.concatenate(first)
-    whole = "" if len(some) == sieve.kept else f" (of the first {len(some):,})"
+    thinned = ""
+    if cells is not None:
+        found.add(cells.columns())
+        thinned = f", means of {sieve.kept:,} in cells of {sieve.voxel_m:g} m"
+    ends = (found.low, found.high)
+    corners = [", ".join(f"{x:.10g}" for x in one + sieve.offset_m) for one in ends]
+    some = np.concatenate(found.first)
+    whole = "" if len(some) == found.count else f" (of the first {len(some):,})"
     said = file.unit or "not said by the file"
-    bytes_, free = sieve.kept * BYTES_PER_SURFEL, free_bytes()
+    bytes_, free = found.count * BYTES_PER_SURFEL, free_bytes()
     lines = [
         ("points", f"{path}, {file.kind}"),
-        ("number", f"{sieve.kept:,}"),
+        ("number", f"{found.count:,}{thinned}"),
         ("bounds", f"({corners[0]}) to ({corners[1]}) m"),
-        ("extent", describe_extent(size)),
+        ("extent", describe_extent(found.high - found.low)),
         ("spacing", f"{spacing_of(some) * 1e3:.4g} mm to the nearest, median{whole}"),
         ("unit", f"{said}, read as {unit}; up {up or file.up}"),
     ]
-    if labels:
+    if found.labels:
         named = [
             f"{number} {_CLASSES.get(number, '') if file.kind == 'LAS' else ''}".strip()
             + f": {n:,}"
-            for number, n in sorted(labels.items())
+            for number, n in sorted(found.labels.items())
         ]
         lines.append(("classes", ", ".join(named)))
     lines.append(("colours", _colours(largest.get("colors"), file.whites)))

@@ -19,13 +19,13 @@ from numpy.typing import ArrayLike
 from omma._core import Background, Error
 from omma.base.files import PathLike
 from omma.base.values import value_class
-from omma.rendering.settings import Options, Sampling, Settings
+from omma.rendering.settings import Options, Sampling, Settings, Shared
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 # Fields that do not change responses, or that files tell otherwise.
 _NO_RECORD = (
-    *("scene", "outputs", "settings", "eyes", "path", "poses"),
+    *("scene", "outputs", "settings", "eyes", "path", "poses", "capture_cameras"),
     *("threads", "backend", "devices", "resume", "command"),
 )
 
@@ -54,6 +54,10 @@ class RenderJob:
     scene_index: int | None = None
     scene_unit: str | float | None = None
     scene_up: str | None = None
+    scene_voxel_m: float | None = None
+    capture_cameras: PathLike | None = None
+    capture_unit: str | float | None = None
+    capture_up: str | None = None
     threads: int = 0
     backend: str = ""
     devices: Sequence[int] = ()
@@ -85,6 +89,11 @@ class RenderJob:
             raise Error(f"projection: a video shows responses, found {self.projection!r}")
         if self.look_at is not None and self.position is None:
             raise Error("look_at: needs a position to look from")
+        if self.capture_cameras is not None:
+            self._check_cameras()
+        for name in ("capture_unit", "capture_up"):
+            if getattr(self, name) is not None and self.capture_cameras is None:
+                raise Error(f"{name}: goes with capture_cameras, a file of cameras")
 
     @property
     def several_outputs(self) -> list[PathLike]:
@@ -105,6 +114,21 @@ class RenderJob:
     def head_is_at(self) -> str | None:
         """Which field says where the head is: camera, position, path or poses; None: none does."""
         return next(iter(self._ways_to_be_somewhere()), None)
+
+    def _check_cameras(self) -> None:
+        """omma.Error where nobody would be told how near cameras were."""
+        if self.receptors:
+            raise Error("capture_cameras: is for responses of ommatidia, not of receptors")
+        if isinstance(self.settings.sampling, Shared):
+            raise Error(
+                "capture_cameras: expected rays of each ommatidium's own (omma.Fixed or "
+                f"omma.ToError), found {self.settings.sampling}"
+            )
+        names = [os.fsdecode(one) for one in self.several_outputs]
+        if names and all(one.lower().endswith((".png", ".mp4")) for one in names):
+            raise Error(
+                f"capture_cameras: expected an output that says numbers, found {', '.join(names)}"
+            )
 
     def _ways_to_be_somewhere(self) -> list[str]:
         fields = ("camera", "position", "path", "poses")
@@ -138,6 +162,10 @@ class JobOptions(Options, total=False):
     scene_index: int | None
     scene_unit: str | float | None
     scene_up: str | None
+    scene_voxel_m: float | None
+    capture_cameras: PathLike | None
+    capture_unit: str | float | None
+    capture_up: str | None
     threads: int
     backend: str
     devices: Sequence[int]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -20,7 +21,13 @@ from omma.base.renamed import renamed_arguments
 from omma.job.begun import Begun, View, begin, view_of
 from omma.job.camera_picture import render_picture
 from omma.job.outputs import writers_of
-from omma.job.pieces import render_of_ommatidia, render_of_receptors, render_pieces
+from omma.job.pieces import (
+    BesideCameras,
+    Render,
+    render_of_ommatidia,
+    render_of_receptors,
+    render_pieces,
+)
 from omma.job.render_job import JobOptions, RenderJob, job_of, takes_job
 from omma.job.reports import RenderReport
 from omma.job.resuming import KeptRender, inputs_of
@@ -32,6 +39,7 @@ from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Sampling, Settings, Shared, ToError, takes_options
 from omma.scene.building import BUILDING
+from omma.scene.capture_cameras import capture_files
 from omma.scene.light_words import warnings_of
 
 if TYPE_CHECKING:
@@ -79,8 +87,15 @@ def render_file(
         ground: with it, a name or names of instances that are ground; none: everything is.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
-        scene_unit, scene_up: of files of meshes and points, ``unit`` and ``up`` of
-            `load_scene`.
+        scene_unit, scene_up, scene_voxel_m: of the scene's file, ``unit``, ``up`` and ``voxel_m``
+            of `load_scene`.
+        capture_cameras: where the photographs were taken from of which the scene was made, a file
+            or folder as `load_capture_cameras` reads it: responses then come with how near the
+            nearest camera was, ``camera_distance`` and ``camera_angle`` of `GroundTruth`. In
+            `.npy` they are OUT.camera_distance.npy and OUT.camera_angle.npy, in `.csv` two more
+            columns. Not with `Shared`, nor of receptors.
+        capture_unit, capture_up: of its file; None: ``scene_unit`` and ``scene_up`` where these are
+            said, else as `load_capture_cameras` has it.
         sampling, options: as in `Renderer`; the frame of a path's pose has its number in the path.
             A camera's picture takes `Fixed` and a seed, as `render_camera` does.
         threads, backend, devices: as in `Renderer`.
@@ -124,6 +139,8 @@ def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
     begun = begin(job, progress if progress is not None else lambda stage, fraction: None)
     camera = begun.camera
     if camera is not None and not job.eye_files and camera.type != "compound":
+        if begun.cameras is not None:
+            raise Error(f"capture_cameras: is for eyes; camera '{camera.name}' is {camera.type}")
         return render_picture(begun, camera)
     view = view_of(begun)
     warnings = warnings_of(begun.scene, bool(begun.light))
@@ -151,6 +168,7 @@ def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
         view.poses,
         receptors=job.receptors,
         standard_error=job.standard_error,
+        with_cameras=begun.cameras is not None,
         more=story_of(job, view.files, begun.background, command),
     )
 
@@ -174,8 +192,11 @@ def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
             standard_error=job.standard_error,
             make_paint=make_paint,
         )
+        render: Render
         if job.receptors:
             render = render_of_receptors(renderer, job.ultraviolet, job.standard_error)
+        elif begun.cameras is not None:
+            render = BesideCameras(renderer, begun.cameras, job.standard_error, spent)
         else:
             render = render_of_ommatidia(renderer, job.standard_error, spent)
         pose_bytes = 4 * max(1, int(np.prod(labels.shape("response")[1:])))
@@ -187,6 +208,11 @@ def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
     writing = time.perf_counter() - begun_writing - (seconds - seconds_before)
     if kept is not None:
         kept.remove()
+    if isinstance(render, BesideCameras) and render.met and not render.known:
+        warnings.append(
+            f"{os.fsdecode(str(job.capture_cameras))}: no camera had anything in its field that is "
+            "seen here; are its unit and its axis up those of the scene (capture_unit, capture_up)?"
+        )
     warnings += left_behind(*_by_kind(written))
     resumed = f", resumed at pose {kept.done:,}" if kept is not None and kept.done else ""
     return RenderReport(
@@ -236,6 +262,7 @@ def _kept(begun: Begun, view: View, renderer: Renderer) -> KeptRender:
     """What is left of a render of the same inputs that was cut off."""
     job = begun.job
     read = [job.scene, *view.files, *([] if job.path is None else [job.path])]
+    read += [] if job.capture_cameras is None else capture_files(job.capture_cameras)
     if isinstance(job.background, str) and Path(job.background).exists():
         read.append(job.background)
     inputs = inputs_of(job.settings, job.recorded(), read, begun.names, renderer.backend)

@@ -68,6 +68,10 @@ def _describe(name: str, data: xarray.Dataset) -> Lines:
         lines.append(("standard error", _range(data.standard_error)))
     if "rays" in data:
         lines.append(("rays", _range(data.rays)))
+    if "camera_distance" in data:
+        lines.append(("camera distance", f"{_range(data.camera_distance)} m"))
+    if "camera_angle" in data:
+        lines.append(("camera angle", f"{_range(data.camera_angle)} degrees"))
     if "position" in data.coords and data.position.size:
         low, high = data.position.values.min(axis=0), data.position.values.max(axis=0)
         lines.append(("positions", f"{_point(low)} to {_point(high)} m"))
@@ -115,17 +119,21 @@ def _state(check: Callable[..., None], said: Said, *files: Any) -> str:
 
 
 def _range(values: xarray.DataArray) -> str:
-    """Least, mean and greatest, read some poses at a time."""
+    """Least, mean and greatest of what is a number, read some poses at a time."""
     if values.size == 0:
         return "empty"
     first = values.dims[0]
     count = max(1, _READ_BYTES // max(1, values[:1].nbytes))
-    low, high, total = np.inf, -np.inf, 0.0
+    low, high, total, there = np.inf, -np.inf, 0.0, 0
     for begin in range(0, values.sizes[first], count):
         piece = values[begin : begin + count].values
-        low, high = min(low, float(piece.min())), max(high, float(piece.max()))
-        total += float(piece.sum(dtype=np.float64))
-    return f"{low:.4g} to {high:.4g}, mean {total / values.size:.4g}"
+        piece = piece[~np.isnan(piece)]
+        low, high = min(low, piece.min(initial=np.inf)), max(high, piece.max(initial=-np.inf))
+        total, there = total + float(piece.sum(dtype=np.float64)), there + piece.size
+    if there == 0:
+        return "no number"
+    none = "" if there == values.size else f" (none in {1 - there / values.size:.1%} of them)"
+    return f"{low:.4g} to {high:.4g}, mean {total / there:.4g}{none}"
 
 
 def _plural(dimension: Any, count: int) -> str:

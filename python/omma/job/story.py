@@ -15,6 +15,7 @@ from omma.base.files import digests_of, metres_per_unit
 from omma.job.render_job import RenderJob
 from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.backgrounds import NAMED_BACKGROUNDS
+from omma.scene.capture_cameras import capture_files
 from omma.scene.light_words import full_words
 
 # Arguments that do not change responses.
@@ -41,6 +42,17 @@ def story_of(
         story["scene_unit_m"] = metres_per_unit(job.scene_unit)
     if job.scene_up is not None:
         story["scene_up"] = job.scene_up
+    if job.scene_voxel_m is not None:
+        story["scene_voxel_m"] = float(job.scene_voxel_m)
+    if job.capture_cameras is not None:
+        story["capture_cameras"] = os.fsdecode(job.capture_cameras)
+        files = capture_files(job.capture_cameras)
+        digests = {name: one for file in files for name, one in digests_of(file).items()}
+        story["capture_sha256"] = json.dumps(digests)
+        if job.capture_unit is not None:
+            story["capture_unit_m"] = metres_per_unit(job.capture_unit)
+        if job.capture_up is not None:
+            story["capture_up"] = job.capture_up
     if job.ultraviolet is not None:
         story["ultraviolet"] = json.dumps(ultraviolet_mix(job.ultraviolet).tolist())
     if job.light is not None:

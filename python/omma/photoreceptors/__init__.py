@@ -1,5 +1,6 @@
 """Photoreceptors in time: impulse responses, filters over frames, noise, adaptation, the large
-monopolar cells behind them, rhabdomeres that move. Nothing of it is on unless it is called.
+monopolar cells behind them, ON and OFF events, rhabdomeres that move. Nothing of it is on unless it
+is called.
 """
 
 import lazy_loader

@@ -1,4 +1,5 @@
 from .adaptation import logarithmic, naka_rushton
+from .events import EVENT, EventSensor, EventState, event_counts
 from .filters import FrameFilter, filter_frames
 from .gain_control import VanHaterenSnippe, van_hateren_snippe
 from .impulse_response import ImpulseResponse
@@ -8,10 +9,14 @@ from .noise import intrinsic_noise, photon_noise
 from .published import published_response
 
 __all__ = [
+    "EVENT",
+    "EventSensor",
+    "EventState",
     "FrameFilter",
     "ImpulseResponse",
     "VanHaterenSnippe",
     "displace_axes",
+    "event_counts",
     "filter_frames",
     "intrinsic_noise",
     "large_monopolar",

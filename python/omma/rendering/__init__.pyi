@@ -1,10 +1,12 @@
 from .agents import render_agents
 from .card_array import CardArray
+from .gradients import Jacobian
 from .panoramas import PanoramaView, see_panorama
 from .picture_layouts import CubeFaces, Equirectangular, Fisheye
 from .read_back import load_responses
 from .report import SamplingReport
 from .settings import Settings
+from .torch_responses import torch_responses
 from .truth import GroundTruth
 from .ultraviolet import UltravioletDependence, ultraviolet_dependence
 
@@ -14,6 +16,7 @@ __all__ = [
     "Equirectangular",
     "Fisheye",
     "GroundTruth",
+    "Jacobian",
     "PanoramaView",
     "SamplingReport",
     "Settings",
@@ -21,5 +24,6 @@ __all__ = [
     "load_responses",
     "render_agents",
     "see_panorama",
+    "torch_responses",
     "ultraviolet_dependence",
 ]

@@ -3,6 +3,7 @@ knows the engine's arguments."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -43,6 +44,8 @@ class Prepared(Protocol):
     def bands(self) -> int: ...
     @property
     def backend(self) -> str: ...
+    @property
+    def with_eye(self) -> Callable[..., Prepared]: ...
     def _receptor_views(self) -> tuple[ReceptorViews, Prepared]: ...
 
 

@@ -71,7 +71,7 @@ class ZarrWriter:
             zarr.consolidate_metadata(path)
 
     def write(self, piece: Piece) -> None:
-        for variable, values in values_of(piece).items():
+        for variable, values in piece.variables.items():
             if variable in self._arrays:
                 self._arrays[variable][piece.poses] = values
 
@@ -102,19 +102,13 @@ class NetcdfWriter:
     def write(self, piece: Piece) -> None:
         # Opened for each piece, so that nothing is open where the work is cut off.
         with self._open("a") as file:
-            for variable, values in values_of(piece).items():
+            for variable, values in piece.variables.items():
                 if variable in self._variables:
                     file.variables[variable][piece.poses] = values
 
     def _open(self, mode: str) -> Any:
         # The file has the lock of whole files already.
         return self._h5netcdf.File(self._path, mode, locking=False)
-
-
-def values_of(piece: Piece) -> dict[str, np.ndarray[Any, Any]]:
-    """What a piece has of each variable."""
-    named = {"response": piece.responses, "standard_error": piece.errors, "rays": piece.rays}
-    return {name: values for name, values in named.items() if values is not None}
 
 
 def load_package(package: str, name: str) -> Any:

@@ -59,10 +59,12 @@ def labels_of(
     *,
     receptors: bool = False,
     standard_error: bool = False,
+    with_cameras: bool = False,
     time_s: NDArray[np.float64] | None = None,
     more: dict[str, Any] | None = None,
 ) -> Labels:
-    """Labels of what a renderer makes of poses (P, 4, 4); ``more`` attributes come last."""
+    """Labels of what a renderer makes of poses (P, 4, 4), ``with_cameras`` also of how near cameras
+    of the capture were; ``more`` attributes come last."""
     first = "pose" if time_s is None else "time"
     light = renderer.world.light
     coordinates: Variables = {}
@@ -89,11 +91,31 @@ def labels_of(
         variables["standard_error"] = (dimensions, "float32", {"units": unit})
     if to_error:
         variables["rays"] = (dimensions[:2], "int32", {"long_name": "rays spent"})
+    if with_cameras:
+        variables |= camera_variables(first)
     sizes = {
         name: len(values) for name, (along, values, _) in coordinates.items() if along == (name,)
     }
     sizes[first] = len(matrices)
     return Labels(coordinates, _attributes(renderer) | (more or {}), variables, sizes)
+
+
+def camera_variables(first: str) -> dict[str, tuple[tuple[str, ...], str, dict[str, Any]]]:
+    """How near cameras of a capture were: dimensions, dtype and attributes, by variable; ``first``
+    is the dimension of poses."""
+    about = {
+        "camera_distance": {
+            "units": "m", "long_name": "from the head to the nearest camera of the capture",
+        },
+        "camera_angle": {
+            "units": "degree",
+            "long_name": "least angle to a camera of the capture at what is seen",
+        },
+    }  # fmt: skip
+    return {
+        "camera_distance": ((first,), "float64", about["camera_distance"]),
+        "camera_angle": ((first, "ommatidium"), "float32", about["camera_angle"]),
+    }
 
 
 def quaternions_of(matrices: Matrices) -> NDArray[np.float64]:

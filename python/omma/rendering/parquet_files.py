@@ -12,9 +12,9 @@ import numpy as np
 from omma._core import Error
 from omma.base.files import WholeFiles
 from omma.rendering.label_texts import labels_text
-from omma.rendering.labelled_files import load_package, values_of
+from omma.rendering.labelled_files import load_package
 from omma.rendering.labels import Labels
-from omma.rendering.response_files import Piece
+from omma.rendering.response_files import CAMERA_COLUMNS, Piece
 
 METADATA = b"omma"
 
@@ -26,7 +26,8 @@ _MOST_POSES = 200_000
 
 class ParquetWriter:
     """Columns: pose; ommatidium, or receptor and its ommatidium; eye, azimuth, elevation and what
-    else is known of each; then the responses, their errors (NAME_error), rays."""
+    else is known of each; then the responses, their errors (NAME_error), rays, and how near cameras
+    of the capture were."""
 
     def __init__(self, files: WholeFiles, name: str, labels: Labels) -> None:
         self._arrow = load_package("pyarrow", name)
@@ -61,7 +62,7 @@ class ParquetWriter:
 
     def write(self, piece: Piece) -> None:
         count = max(1, _GROUP_ROWS // max(1, self._rows))
-        values = values_of(piece)
+        values = piece.variables
         for begin in range(0, len(piece.responses), count):
             rows = {name: array[begin : begin + count] for name, array in values.items()}
             self._write(rows, piece.first + begin)
@@ -73,7 +74,10 @@ class ParquetWriter:
         }
         columns |= {site: np.tile(array, poses) for site, array in self._sites.items()}
         for variable, names in self._columns.items():
-            table = values[variable].reshape(poses * self._rows, len(names))
+            # What a pose has one of stands in each of its rows.
+            of_poses = values[variable].reshape(poses, -1, len(names))
+            each = np.broadcast_to(of_poses, (poses, self._rows, len(names)))
+            table = each.reshape(poses * self._rows, len(names))
             columns |= {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)}
         self._writer.write_table(self._arrow.table(columns, schema=self._schema))
 
@@ -84,6 +88,7 @@ def columns_of(labels: Labels) -> dict[str, list[str]]:
     columns = {"response": bands}
     if "standard_error" in labels.variables:
         columns["standard_error"] = [f"{band}_error" for band in bands]
-    if "rays" in labels.variables:
-        columns["rays"] = ["rays"]
+    for variable in ("rays", *CAMERA_COLUMNS):
+        if variable in labels.variables:
+            columns[variable] = [variable]
     return columns

@@ -17,7 +17,9 @@ from omma.base.hdf5_heaps import check_heaps
 from omma.rendering.dataset import dataset_of, load_xarray
 from omma.rendering.label_texts import beside, labels_from_text
 from omma.rendering.labelled_files import load_package
+from omma.rendering.labels import camera_variables
 from omma.rendering.parquet_files import METADATA, columns_of
+from omma.rendering.response_files import CAMERA_COLUMNS
 
 if TYPE_CHECKING:
     import xarray
@@ -132,7 +134,10 @@ def _of_parquet(name: str) -> xarray.Dataset:
         values = {}
         for variable, columns in columns_of(labels).items():
             table = np.stack([column.to_numpy() for column in file.read(columns).columns], axis=-1)
-            values[variable] = table.reshape(labels.shape(variable))
+            shape = labels.shape(variable)
+            # What a pose has one of stands in each of its rows.
+            table = table.reshape(shape[0], -1)[:, 0] if len(shape) == 1 else table
+            values[variable] = table.reshape(shape)
             if values[variable].dtype.kind not in "biuf":
                 raise Error(f"{name}: {variable}: expected numbers, found {table.dtype}")
         return dataset_of(labels, values)
@@ -152,7 +157,9 @@ def _of_table(name: str) -> xarray.Dataset:
     for column in ("eye_id", "azimuth_deg", "elevation_deg"):
         if column not in sites:
             raise Error(f"{name}: expected a column {column}, found {', '.join(header)[:120]}")
-    bands = [column for column in header[1 + len(sites) :] if not column.endswith("_error")]
+    numbered = header[1 + len(sites) :]
+    cameras = [one for one in CAMERA_COLUMNS.values() if one in numbered]
+    bands = [one for one in numbered if not one.endswith("_error") and one not in cameras]
     if not bands:
         raise Error(f"{name}: expected columns of responses, found none")
     try:
@@ -163,7 +170,7 @@ def _of_table(name: str) -> xarray.Dataset:
         if not np.array_equal(pose, np.repeat(np.arange(poses), each)):
             raise ValueError
         site = {one: texts[:each, header.index(one)] for one in sites}
-        numbers = texts[:, 1 + len(sites) :].astype(np.float32).reshape(poses, each, -1)
+        numbers = texts[:, 1 + len(sites) :].astype(np.float64).reshape(poses, each, -1)
     except (ValueError, IndexError, OverflowError, ZeroDivisionError, csv.Error, MemoryError):
         raise Error(f"{name}: expected as many whole lines for each pose, in their order") from None
     along = "receptor" if "receptor" in site else "ommatidium"
@@ -183,8 +190,15 @@ def _of_table(name: str) -> xarray.Dataset:
     else:
         dimensions = (*dimensions, "band")
         coordinates["band"] = ["red", "green", "blue"] if bands == list("rgb") else bands
-        arrays = [numbers[..., k : k + len(bands)] for k in range(0, numbers.shape[2], len(bands))]
+        whole = numbers.shape[2] - len(cameras)
+        arrays = [numbers[..., k : k + len(bands)] for k in range(0, whole, len(bands))]
     found = zip(("response", "standard_error"), arrays)
-    variables = {one: (dimensions, values, {"units": "1"}) for one, values in found}
+    variables: dict[str, Any] = {
+        one: (dimensions, values.astype(np.float32), {"units": "1"}) for one, values in found
+    }
+    for name, (of_poses, dtype, about) in camera_variables("pose").items() if cameras else ():
+        values = numbers[..., numbered.index(CAMERA_COLUMNS[name])]
+        values = values[:, 0] if len(of_poses) == 1 else values
+        variables[name] = (of_poses, values.astype(dtype), about)
     data: xarray.Dataset = load_xarray().Dataset(variables, coordinates)
     return data

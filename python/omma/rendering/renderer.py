@@ -21,6 +21,7 @@ from omma.base.progress import Progress
 from omma.base.renamed import renamed_arguments
 from omma.rendering.dataset import dataset
 from omma.rendering.frames import render, render_rays, render_stokes
+from omma.rendering.gradients import jacobian, jvp, vjp
 from omma.rendering.iterate import render_iter
 from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_frames import render_receptors
@@ -177,6 +178,9 @@ class Renderer:
     render_rays = render_rays
     render_iter = render_iter
     ground_truth = ground_truth
+    jacobian = jacobian
+    jvp = jvp
+    vjp = vjp
     dataset = dataset
 
     def _receptor_views(self) -> tuple[ReceptorViews, Renderer]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike, WholeFiles, check_ending
+
+# Of `.csv` files, by the variable that they are.
+CAMERA_COLUMNS = {"camera_distance": "camera_distance_m", "camera_angle": "camera_angle_deg"}
 
 
 @checked
@@ -58,11 +61,20 @@ class Piece:
     responses: NDArray[np.float32]  # (P, N, C), or (P, R) of receptors
     errors: NDArray[np.float32] | None = None  # standard errors of these
     rays: NDArray[np.int32] | None = None  # (P, N), where they differ
+    beside: Mapping[str, NDArray[Any]] = field(default_factory=dict)  # (P, ...), by variable
 
     @property
     def poses(self) -> slice:
         """Which poses these are of all."""
         return slice(self.first, self.first + len(self.responses))
+
+    @property
+    def variables(self) -> dict[str, NDArray[Any]]:
+        """What there is of each variable, by its name in files."""
+        named = {"response": self.responses, "standard_error": self.errors, "rays": self.rays}
+        return {name: values for name, values in named.items() if values is not None} | dict(
+            self.beside
+        )
 
 
 class Writer(Protocol):
@@ -72,36 +84,50 @@ class Writer(Protocol):
 
 
 class NpyWriter:
-    """One float32 array (P, N, C); ``of_errors`` writes the standard errors instead."""
+    """One variable as one array (P, ...)."""
 
     def __init__(
-        self, files: WholeFiles, name: str, shape: Sequence[int], of_errors: bool = False
+        self,
+        files: WholeFiles,
+        name: str,
+        shape: Sequence[int],
+        variable: str = "response",
+        dtype: str = "float32",
     ) -> None:
         self._file = files.open(name)
-        self._of_errors = of_errors
+        self._variable = variable
+        self._dtype = np.dtype(dtype).newbyteorder("<")
         header = io.BytesIO()
         np.lib.format.write_array_header_1_0(
-            header, {"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}
+            header, {"descr": self._dtype.str, "fortran_order": False, "shape": tuple(shape)}
         )
         self._file.write_header(header.getvalue())
 
     def write(self, piece: Piece) -> None:
-        array = piece.errors if self._of_errors else piece.responses
-        assert array is not None
-        self._file.write(np.ascontiguousarray(array, dtype="<f4").data)
+        array = np.ascontiguousarray(piece.variables[self._variable], dtype=self._dtype)
+        self._file.write(array.data)
 
 
 class CsvWriter:
-    """A line for each pose and ommatidium; numbers with nine digits, which is all of a float32."""
+    """A line for each pose and ommatidium; numbers with nine digits, which is all of a float32.
+    ``with_cameras``: also how near cameras of the capture were."""
 
     def __init__(
-        self, files: WholeFiles, name: str, eye: Eye, with_errors: bool, bands: int
+        self,
+        files: WholeFiles,
+        name: str,
+        eye: Eye,
+        with_errors: bool,
+        bands: int,
+        with_cameras: bool = False,
     ) -> None:
         self._file = files.open(name)
-        self._with_errors = with_errors
+        self._with_errors, self._with_cameras = with_errors, with_cameras
         columns = list("rgb") if bands == 3 else [f"band_{b}" for b in range(bands)]
         if with_errors:
             columns += [f"{column}_error" for column in columns]
+        if with_cameras:
+            columns += CAMERA_COLUMNS.values()
         header = "pose,ommatidium,eye_id,azimuth_deg,elevation_deg"
         self._file.write_header(f"{header},{','.join(columns)}\n".encode())
         azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
@@ -113,6 +139,11 @@ class CsvWriter:
         if self._with_errors:
             assert piece.errors is not None
             table = np.concatenate([table, piece.errors], axis=-1)
+        if self._with_cameras:
+            found = [piece.beside[name] for name in CAMERA_COLUMNS]
+            size = (*table.shape[:2], 1)
+            each = [np.broadcast_to(one.reshape(len(one), -1, 1), size) for one in found]
+            table = np.concatenate([table, *each], axis=-1)
         form = ",".join(["%.9g"] * table.shape[-1])
         for number, pose in enumerate(table, start=piece.first):
             lines = [

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypedDict, TypeVar, cast, get_args, get_type_hints
 
@@ -264,8 +264,8 @@ class Settings:
             found["impulse_response"] = self.impulse_response
         return cast(Options, found)
 
-    def engine_settings(self, threads: int) -> RenderSettings:
-        """As the engine takes them."""
+    def engine_settings(self, threads: int, eye_sizes: Sequence[int] = ()) -> RenderSettings:
+        """As the engine takes them; ``eye_sizes`` are those of a population."""
         sampling = self.sampling
         chosen: tuple[str, int] | tuple[str, float, int, int, float]
         if isinstance(sampling, ToError):
@@ -275,6 +275,8 @@ class Settings:
             chosen = ("shared" if isinstance(sampling, Shared) else "fixed", sampling.samples)
         threads = whole(threads, "threads", 0, 1 << 16)
         options: dict[str, Any] = dict(self.options())
+        if len(eye_sizes) > 0:
+            options["eye_sizes"] = list(eye_sizes)
         options["kernel"] = options.pop("angular_sensitivity")  # as C++ calls it
         impulse_response = options.pop("impulse_response", None)
         if impulse_response is not None:

@@ -15,7 +15,7 @@ from omma.base.arguments import array_of, checked, whole
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared
-from omma.rendering.labels import Variables
+from omma.rendering.labels import Variables, camera_variables
 from omma.rendering.moves import Moves, MovesOptions, renderer_method
 from omma.rendering.settings import Shared, ToError
 from omma.scene.capture_cameras import CaptureCameras
@@ -215,15 +215,14 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
         found["instance"] = (("instance",), np.array(truth.names, dtype=np.str_), {})
         about = {"units": "1", "long_name": "share of the field that an instance fills"}
         found["share"] = ((*dimensions, "instance"), truth.shares, about)
-    if truth.camera_distance_m is not None:
-        about = {"units": "m", "long_name": "from the head to the nearest camera of the capture"}
-        found["camera_distance"] = (dimensions[:1], truth.camera_distance_m, about)
-    if truth.camera_angle_deg is not None:
-        about = {
-            "units": "degree",
-            "long_name": "least angle to a camera of the capture at what is seen",
+    if truth.camera_distance_m is not None and truth.camera_angle_deg is not None:
+        about_cameras = camera_variables(dimensions[0])
+        near: dict[str, NDArray[Any]] = {
+            "camera_distance": truth.camera_distance_m,
+            "camera_angle": truth.camera_angle_deg,
         }
-        found["camera_angle"] = (dimensions, truth.camera_angle_deg, about)
+        for name, one in near.items():
+            found[name] = (dimensions[: one.ndim], one, about_cameras[name][2])
     for name, values, which in (
         ("flow", truth.flow_rad_s, "in all"),
         ("flow_rotation", truth.flow_rotation_rad_s, "from the head's rotation"),

@@ -20,7 +20,7 @@ from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.scene.camera_nearness import nearest_angle_deg, nearest_distance_m
 from omma.scene.capture_lenses import Shot, position, rotation
-from omma.scene.colmap_files import colmap_folder, read_colmap
+from omma.scene.colmap_files import colmap_files, colmap_folder, read_colmap
 from omma.scene.nerfstudio_files import (
     is_splat_cameras,
     is_transforms,
@@ -207,6 +207,21 @@ def load_capture_cameras(
     )
 
 
+def capture_files(path: PathLike) -> list[str]:
+    """The files of cameras that `load_capture_cameras` reads: one, or those of COLMAP's folder.
+
+    Raises:
+        omma.Error: a folder without them.
+    """
+    name = os.fsdecode(path)
+    if not os.path.isdir(name):
+        return [name]
+    folder = colmap_folder(name)
+    if folder is None:
+        raise Error(_no_colmap(name))
+    return colmap_files(folder)
+
+
 def is_capture(path: PathLike) -> bool:
     """Whether a name is that of a folder of COLMAP, or of a JSON file of cameras: by its name, else
     by what is in it, as responses have JSON files too."""
@@ -236,14 +251,18 @@ def _read(path: str, undo_applied: bool) -> tuple[list[Shot], str]:
     if folder is not None:
         return read_colmap(folder), "-y"
     if os.path.isdir(path):
-        raise Error(
-            f"{path}: expected a folder of COLMAP, with cameras.bin and images.bin or "
-            "cameras.txt and images.txt in it or in its sparse/0, found none of them"
-        )
+        raise Error(_no_colmap(path))
     raise Error(
         f"{path}: expected transforms.json of Nerfstudio (an object with frames) or cameras.json "
         "of 3D Gaussian Splatting (a list of objects with position and rotation), found another "
         "shape"
+    )
+
+
+def _no_colmap(folder: str) -> str:
+    return (
+        f"{folder}: expected a folder of COLMAP, with cameras.bin and images.bin or cameras.txt "
+        "and images.txt in it or in its sparse/0, found none of them"
     )
 
 

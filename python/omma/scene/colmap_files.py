@@ -70,6 +70,12 @@ def colmap_folder(path: str) -> str | None:
     return None
 
 
+def colmap_files(folder: str) -> list[str]:
+    """The two that are read of such a folder."""
+    ending = _ending(folder)
+    return [os.path.join(folder, f"{one}{ending}") for one in ("cameras", "images")]
+
+
 def _ending(folder: str) -> str | None:
     for ending in (".bin", ".txt"):
         if all(os.path.isfile(os.path.join(folder, one + ending)) for one in ("cameras", "images")):
@@ -79,9 +85,8 @@ def _ending(folder: str) -> str | None:
 
 def read_colmap(folder: str) -> list[Shot]:
     """All photographs that have a pose, as the files order them."""
-    ending = _ending(folder)
-    cameras, images = (os.path.join(folder, f"{one}{ending}") for one in ("cameras", "images"))
-    is_text = ending == ".txt"
+    cameras, images = colmap_files(folder)
+    is_text = images.endswith(".txt")
     fields = dict(_text_cameras(cameras) if is_text else _binary_cameras(cameras))
     shots = []
     for pose in _text_images(images) if is_text else _binary_images(images):

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Camera as Camera
@@ -16,7 +17,8 @@ from omma.base.arguments import checked
 from omma.base.files import PathLike
 from omma.base.mesh_parts import world_from_file
 from omma.base.warn import warn_caller
-from omma.scene.joining import place_scene
+from omma.scene.gltf_spz import load_spz_gltf
+from omma.scene.joining import place_scene, warnings_of_file
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
 from omma.scene.splat_files import is_splat_file, load_splat_scene
@@ -35,6 +37,7 @@ def load_scene(
     color_rule: str = "gltf",
     unit: str | float | None = None,
     up: str | None = None,
+    voxel_m: float | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, the
@@ -60,6 +63,8 @@ def load_scene(
             (`omma info` says how large a scene is). Eyes of a scene's cameras keep their size.
         up: the axis that points up: "y", "z", or "-y" where y points down and z ahead. None: y, in
             `.las`, `.laz`, `.e57` and `.xyz` files z, in `.ply` files of splats -y.
+        voxel_m: of points alone: side of the cells of a grid, m, in each of which their mean is one
+            disc. None: each point is one.
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
             raises ends the loading and is raised here. Not for `.obj`, `.ply` and `.stl`.
 
@@ -78,13 +83,22 @@ def load_scene(
             are not shaded without a light is told once a session.
     """
     scene = read_scene(
-        path, scene_index, color_rule=color_rule, unit=unit, up=up, progress=progress
+        path,
+        scene_index,
+        color_rule=color_rule,
+        unit=unit,
+        up=up,
+        voxel_m=voxel_m,
+        progress=progress,
     )
     for sentence in scene.warnings:
         if sentence.startswith(WITHOUT_LIGHT):
             if _told:
                 continue
+            warn_caller(f"{scene.path}: {sentence}", UserWarning)
+            # Where warnings are errors it is not told before somebody lets it pass.
             _told.append(sentence)
+            continue
         warn_caller(f"{scene.path}: {sentence}", UserWarning)
     return scene
 
@@ -96,6 +110,7 @@ def read_scene(
     color_rule: str = "gltf",
     unit: str | float | None = None,
     up: str | None = None,
+    voxel_m: float | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """As `load_scene`, for those who hand ``Scene.warnings`` on themselves."""
@@ -108,6 +123,8 @@ def read_scene(
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
     is_splats, is_points = is_splat_file(name), is_point_file(name)
+    if voxel_m is not None and not is_points:
+        raise Error(f"voxel_m: expected none, as {name} holds no points of a scan")
     if is_splats or is_points or Path(name).suffix.lower() in MESH_FILES:
         if scene_index is not None:
             raise Error(f"scene_index: expected none, as {name} holds no list of scenes")
@@ -116,21 +133,23 @@ def read_scene(
         if is_splats:
             return load_splat_scene(name, "m" if unit is None else unit, up, progress)
         if is_points:
-            return load_surfels(name, "m" if unit is None else unit, up, progress)
+            return load_surfels(name, "m" if unit is None else unit, up, voxel_m, progress)
         return load_mesh_file(name, "m" if unit is None else unit, "y" if up is None else up)
     if scene_index is not None and scene_index < 0:
         raise Error(f"scene_index: expected 0 or more, found {scene_index}")
     index = -1 if scene_index is None else scene_index
-    scene = _core.load_scene(path, index, color_rule, progress)
-    return scene if unit is None and up is None else _as_written(scene, unit, up)
-
-
-def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene:
-    """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
     try:
         matrix = world_from_file("m" if unit is None else unit, "y" if up is None else up)
     except Error as error:
-        raise Error(f"{scene.path}: {error}") from None
+        raise Error(f"{name}: {error}") from None
+    packed = load_spz_gltf(name, index, color_rule, progress)
+    scene = _core.load_scene(path, index, color_rule, progress) if packed is None else packed
+    del packed
+    return scene if unit is None and up is None else _as_written(scene, matrix)
+
+
+def _as_written(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
+    """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
     placed = place_scene(scene, matrix)
     # A camera's scale is that of its eye, which is none of the file's lengths.
     metres = float(np.cbrt(np.linalg.det(matrix[:3, :3])))
@@ -138,7 +157,9 @@ def _as_written(scene: Scene, unit: str | float | None, up: str | None) -> Scene
     cameras = [
         one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
     ]
-    return _core.with_path(placed.replace(cameras=cameras), scene.path, scene.warnings)
+    if cameras:
+        placed = placed.replace(cameras=cameras)
+    return _core.with_path(placed, scene.path, warnings_of_file(scene))
 
 
 @checked

@@ -22,6 +22,9 @@ from omma._core import (
 )
 from omma.base.arguments import array_of, checked
 
+# What the engine's sentences about places have in them (src/model/scene_place.cpp).
+_OF_PLACES = ("from the origin of their own coordinates", "are not seen reliably")
+
 
 @checked
 def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
@@ -56,6 +59,12 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
             one.replace(world_from_splats=matrix @ one.world_from_splats) for one in scene.splats
         ],
     )
+
+
+def warnings_of_file(scene: Scene) -> list[str]:
+    """What there was to warn of a scene's file, without what `_core.with_path` tells anew: what
+    places do to it."""
+    return [one for one in scene.warnings if not any(words in one for words in _OF_PLACES)]
 
 
 @checked

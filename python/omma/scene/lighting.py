@@ -28,7 +28,8 @@ Ultraviolet = Rule | Mapping[str, Rule] | None
 _MOST_DEPTH = 1000
 _MOST_EMISSION = 1e15  # as of colours
 _NAMES_TOLD = 8
-_told_of_splats: list[bool] = []
+# What a colour of 1 is, cd/m², in worlds whose splats were told of.
+_told_of_splats: set[float] = set()
 _BAKED_ONLY = 'goes with lighting="baked"'
 
 
@@ -167,16 +168,18 @@ def options_after(before: Lighting | None, **options: Any) -> dict[str, Any]:
 
 
 def tell_of_splats(scene: Scene, lighting: Lighting | None) -> None:
-    """Warns, once a session, that a light does not shine on Gaussian splats."""
-    if lighting is None or not scene.splats or _told_of_splats:
+    """Warns that a light does not shine on Gaussian splats: once a session, and once more where a
+    colour of 1 is another light."""
+    if lighting is None or not scene.splats or lighting.emission_cd_m2 in _told_of_splats:
         return
-    _told_of_splats.append(True)
     warn_caller(
         "sun, sky and lamps do not light Gaussian splats, which keep the light of their capture: a "
         f"colour of 1 is {lighting.emission_cd_m2:g} cd/m² (emission_cd_m2, "
         "omma.scene.calibrate), and nothing below 400 nm. They do dim what is behind them",
         UserWarning,
     )
+    # Where warnings are errors it is not told before somebody lets it pass.
+    _told_of_splats.add(lighting.emission_cd_m2)
 
 
 def tell_of_emission(scene: Scene, lighting: Lighting | None) -> None:

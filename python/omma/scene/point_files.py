@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -42,6 +43,9 @@ _UNNAMED = {
 }  # fmt: skip
 # Of a LAS file: what its authors marked as wrong (ASPRS LAS 1.4 R15, table 17).
 _NOISE = (7, 18)
+# Of E57 files: unit normals in the scanner's frame, by the extension E57_EXT_surface_normals
+# (libe57.org, revision 2), whatever its prefix, or by the names that others write.
+_E57_NORMALS = tuple(re.compile(rf"(\w+:)?(normal{a.upper()}|n{a})") for a in "xyz")
 # What vertices of files of Gaussian splats have: a colour by harmonics, a scale and a turn of each
 # (Kerbl et al. 2023), or these packed (PlayCanvas).
 _OF_SPLATS = ({"f_dc_0", "scale_0", "rot_0"}, {"packed_position", "packed_rotation"})
@@ -349,6 +353,9 @@ def _e57_scan(pye57: Any, file: Any, index: int, left_out: dict[str, int]) -> It
     kinds.update({one: "u2" for one in colours if set(colours) <= there})
     kinds.update({"intensity": "f4"} if "intensity" in there else {})
     kinds.update({state: "i1"} if state in there else {})
+    normals = [name for one in _E57_NORMALS for name in sorted(there) if one.fullmatch(name)]
+    normals = normals if len(normals) == 3 else []
+    kinds.update(dict.fromkeys(normals, "f4"))
     size = min(PIECE, max(int(header.point_count), 1))
     data = {name: np.zeros(size, kind) for name, kind in kinds.items()}
     buffers = pye57.libe57.VectorSourceDestBuffer()
@@ -370,4 +377,7 @@ def _e57_scan(pye57: Any, file: Any, index: int, left_out: dict[str, int]) -> It
             positions = file.to_global(positions, header.rotation, header.translation)
         stacked = np.stack([data[one][taken] for one in colours], 1) if "colorRed" in data else None
         shades = data["intensity"][taken] if "intensity" in data else None
-        yield Piece(positions, stacked, shades)
+        directions = np.stack([data[one][taken] for one in normals], 1) if normals else None
+        if directions is not None and header.has_pose():
+            directions = file.to_global(directions, header.rotation, np.zeros(3))
+        yield Piece(positions, stacked, shades, directions)

@@ -299,8 +299,8 @@ def _check_memory(sieve: Sieve) -> None:
         fit = int(free / (numbers * _BYTES_PER_NUMBER))
         raise Error(
             f"{file.path}: {file.count // sieve.every:,} points take {words_for_bytes(needed)}, of "
-            f"which {words_for_bytes(free)} are free: {fit:,} would fit; thin them by "
-            f"every={-(-file.count // fit)} or voxel_m, or choose bounds"
+            f"which {words_for_bytes(free)} are free: {fit:,} would fit; thin them by voxel_m, or "
+            f"in omma.scene.load_points by every={-(-file.count // fit)} or bounds"
         )
 
 

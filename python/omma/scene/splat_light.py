@@ -30,11 +30,13 @@ def calibrate(
     card that is seen in them tells the light of the place in each channel: from then on 1 is what a
     white surface sends that lies where the card lay, so that a matt surface has its reflectance. An
     exposure tells cd/m² (of linear RGB, by its luminance), as far as the camera's pictures were
-    not developed otherwise. Both together take the ratios of the channels from the card.
+    not developed otherwise. Both together take the ratios of the channels from the card. Of splats
+    whose channels are bands a card alone tells.
 
     Args:
         scene: with splats. Its surfaces keep their colours.
-        gray_card: the card's colour (3,) in the pictures, in the splats' colour space, 0 to 1.
+        gray_card: the card's colour (C,) in the pictures, in the splats' channels and colour
+            space, 0 to 1.
         reflectance: of the card.
         exposure: EV100 of the pictures: log2(N² / t) at ISO 100, of an aperture N and a time t, s.
 
@@ -48,15 +50,22 @@ def calibrate(
         0.18
 
     Raises:
-        omma.Error: a scene without splats, neither card nor exposure, numbers out of range.
+        omma.Error: a scene without splats, neither card nor exposure, an exposure of splats that
+            are not RGB, numbers out of range.
     """
     if not scene.splats:
         raise Error("scene: expected Gaussian splats, found none")
     if gray_card is None and exposure is None:
         raise Error("calibrate: expected gray_card or exposure, found neither")
-    white = np.ones(3)
+    channels = len(scene.splats[0].white)
+    if exposure is not None and scene.splats[0].bands_nm is not None:
+        raise Error(
+            f"exposure: expected splats of RGB, found {channels} bands: give gray_card, which "
+            "tells the light of each"
+        )
+    white = np.ones(channels)
     if gray_card is not None:
-        card = array_of(gray_card, "gray_card", (3,))
+        card = array_of(gray_card, "gray_card", (channels,))
         if not (np.isfinite(card).all() and (card > 0).all() and (card <= 1).all()):
             raise Error(f"gray_card: expected a colour above 0 and up to 1, found {tuple(card)}")
         if scene.splats[0].color_space == "srgb":

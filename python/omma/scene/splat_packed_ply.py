@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error, SplatCloud
+from omma._core import Error
 from omma.base.ply_header import PlyElement
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all
-from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns
+from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns, sample_of
 
 _CHUNK = 256
 _BOUNDS = tuple(
@@ -43,18 +43,19 @@ class PackedPly:
     vertex: _Table
     sh: _Table | None
 
-    def read(
-        self, world_from_splats: Floats, progress: Progress | None
-    ) -> tuple[SplatCloud, dict[str, int]]:
+    def read(self, progress: Progress | None) -> SplatColumns:
         count = len(self.vertex)
         terms = 1 if self.sh is None else 1 + len(self.sh.dtype.names or ()) // 3
         columns = SplatColumns(self.path, count, terms)
+        some = sample_of(self.chunk, len(self.chunk))
+        ends = [[some[name] for name in names] for names in (_BOUNDS[:3], _BOUNDS[3:6])]
+        columns.find_offset(np.concatenate(ends, axis=1).T, are_ends=True)
         for start in range(0, count, PIECE):  # whole chunks
             rows = slice(start, min(start + PIECE, count))
             self._add(columns, rows, terms)
             if progress is not None:
                 progress(rows.stop / count)
-        return columns.splats(world_from_splats, os.path.splitext(os.path.basename(self.path))[0])
+        return columns
 
     def _add(self, columns: SplatColumns, rows: slice, terms: int) -> None:
         vertex = {name: self.vertex[name][rows].astype(np.uint32) for name in _PACKED}
@@ -81,6 +82,7 @@ class PackedPly:
             shares = np.where(bytes_ == 0, 0, np.where(bytes_ == 255, 1, (bytes_ + 0.5) / 256))
             rest = ((shares - 0.5) * 8).reshape(count, 3, terms - 1)
             harmonics[:, 1:] = rest.transpose(0, 2, 1)
+        positions -= columns.offset
         columns.add(
             positions, scales, _quaternions(vertex["packed_rotation"]), opacities, harmonics
         )

@@ -15,11 +15,17 @@ from numpy.typing import NDArray
 
 from omma._core import Error, SplatCloud
 from omma.base.files import WholeFile
-from omma.base.mesh_parts import offset_of
 from omma.base.ply_header import PlyElement
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all, holds_splats, ply_head, text_tables
-from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns, sigmoid
+from omma.scene.splat_columns import (
+    PIECE,
+    REST_COUNTS,
+    Floats,
+    SplatColumns,
+    sample_of,
+    sigmoid,
+)
 from omma.scene.splat_packed_ply import read_packed_ply
 
 _POSITION = ("x", "y", "z")
@@ -33,9 +39,7 @@ _REST = "f_rest_"
 _OPAQUE = 40.0
 
 
-def read_ply_splats(
-    path: str, world_from_splats: Floats, progress: Progress | None
-) -> tuple[SplatCloud, dict[str, int]]:
+def read_ply_splats(path: str, progress: Progress | None) -> SplatColumns:
     """All that can be used of the splats of a PLY file."""
     order, elements, begin = ply_head(path)
     names = [one.name for one in elements]
@@ -46,7 +50,7 @@ def read_ply_splats(
         )
     vertex = elements[names.index("vertex")]
     if "packed_position" in {one.name for one in vertex.properties}:
-        return read_packed_ply(path, order, elements, begin).read(world_from_splats, progress)
+        return read_packed_ply(path, order, elements, begin).read(progress)
     before = elements[: names.index("vertex")]
     if any(one.count_type for each in (*before, vertex) for one in each.properties):
         raise Error(f"{path}: expected vertices without lists in them or before them")
@@ -54,23 +58,24 @@ def read_ply_splats(
     if order == "":
         skipped = sum(one.count for one in before)
         blocks = _text_blocks(path, begin, vertex, wanted, skipped)
-        offset = np.zeros(3)
     else:
         begin += sum(one.count * _row_of(order, one).itemsize for one in before)
         expect_rows(path, vertex, begin, _row_of(order, vertex).itemsize)
         blocks = _binary_blocks(path, order, begin, vertex, wanted)
-        offset = _offset_of(path, order, begin, vertex)
     columns = SplatColumns(path, vertex.count, terms)
+    if order == "":
+        places = [sample_of(block[:, :3], vertex.count) for block in blocks()]
+        columns.find_offset(np.concatenate(places) if places else np.empty((0, 3)))
+    else:
+        columns.find_offset(_binary_places(path, order, begin, vertex))
     rows = 0
     for block in blocks():
-        _add(columns, block, terms, offset)
+        _add(columns, block, terms)
         rows += len(block)
         if progress is not None:
             progress(rows / vertex.count)
     expect_all(path, vertex.count, rows)
-    placed = world_from_splats.copy()
-    placed[:3, 3] += placed[:3, :3] @ offset
-    return columns.splats(placed, os.path.splitext(os.path.basename(path))[0])
+    return columns
 
 
 def _row_of(order: str, element: PlyElement) -> np.dtype[Any]:
@@ -155,20 +160,16 @@ def _binary_blocks(
     return blocks
 
 
-def _offset_of(path: str, order: str, begin: int, vertex: PlyElement) -> Floats:
-    """What is best subtracted from positions of double precision, as of meshes."""
-    types = {one.name: one.type for one in vertex.properties}
-    if all(types[name] == "f4" for name in _POSITION):
-        return np.zeros(3)
-    corners = []
-    for block in _binary_blocks(path, order, begin, vertex, list(_POSITION))():
-        usable = block[np.isfinite(block).all(axis=1)].astype(np.float64)
-        if len(usable):
-            corners += [usable[:1], usable.min(axis=0)[None], usable.max(axis=0)[None]]
-    return np.asarray(offset_of(corners), np.float64)
+def _binary_places(path: str, order: str, begin: int, vertex: PlyElement) -> NDArray[Any]:
+    """Some positions (n, 3), of the file's own type where all are of one."""
+    names = [one.name for one in vertex.properties]
+    table = np.memmap(path, _row_of(order, vertex), "r", begin, (vertex.count,))
+    some = np.array(sample_of(table, vertex.count))
+    return np.stack([some[f"f{names.index(axis)}"] for axis in _POSITION], axis=1)
 
 
-def _add(columns: SplatColumns, block: NDArray[Any], terms: int, offset: Floats) -> None:
+def _add(columns: SplatColumns, block: NDArray[Any], terms: int) -> None:
+    offset = columns.offset
     positions = block[:, :3] - offset if offset.any() else block[:, :3]
     harmonics = np.empty((len(block), terms, 3), block.dtype)
     harmonics[:, 0] = block[:, 3:6]
@@ -192,10 +193,14 @@ def _filtered(
         return np.log(after), opacities * np.prod(before / after, axis=1)
 
 
-def ply_header_of(count: int, terms: int) -> bytes:
-    """The header of a file as 3DGS writes it, little-endian."""
+def ply_header_of(count: int, terms: int, is_far: bool = False) -> bytes:
+    """The header of a file as 3DGS writes it, little-endian; of splats far from the origin with
+    positions in double precision."""
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {count}"]
-    lines += [f"property float {name}" for name in _written(terms)]
+    lines += [
+        f"property {'double' if is_far and name in _POSITION else 'float'} {name}"
+        for name in _written(terms)
+    ]
     return ("\n".join([*lines, "end_header"]) + "\n").encode()
 
 
@@ -204,8 +209,9 @@ def _written(terms: int) -> list[str]:
     return [*_POSITION, "nx", "ny", "nz", *_COLOUR, *rest, "opacity", *_SCALE, *_ROTATION]
 
 
-def write_ply_rows(file: WholeFile, splats: SplatCloud) -> None:
-    """Rows of splats that are in the file's frame already. Normals, which mean nothing, are 0."""
+def write_ply_rows(file: WholeFile, splats: SplatCloud, offset: Floats) -> None:
+    """Rows of splats that are, but for an offset (3,), in the file's frame already. Normals, which
+    mean nothing, are 0."""
     count, terms = splats.harmonics.shape[:2]
     table = np.zeros((count, len(_written(terms))), "<f4")
     table[:, :3] = splats.positions_m
@@ -218,4 +224,10 @@ def write_ply_rows(file: WholeFile, splats: SplatCloud) -> None:
     table[:, -8] = np.clip(logits, -_OPAQUE, _OPAQUE)
     table[:, -7:-4] = np.log(splats.scales_m.astype(np.float64))
     table[:, -4:] = splats.rotations[:, [3, 0, 1, 2]]
-    file.write(table.tobytes())
+    if not offset.any():
+        file.write(table.tobytes())
+        return
+    wide = np.empty(count, [("position", "<f8", 3), ("rest", "<f4", table.shape[1] - 3)])
+    wide["position"] = splats.positions_m + offset
+    wide["rest"] = table[:, 3:]
+    file.write(wide.tobytes())

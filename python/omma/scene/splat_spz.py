@@ -22,7 +22,7 @@ from omma._core import Error, SplatCloud
 from omma.base.files import WholeFile
 from omma.base.optional import needs
 from omma.base.progress import Progress
-from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns
+from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns, sample_of
 
 _MAGIC = 0x5053474E
 _HEAD = struct.Struct("<IIIBBBB")
@@ -71,24 +71,27 @@ class _Head:
         }
 
 
-def read_spz_splats(
-    path: str, world_from_splats: Floats, name: str, progress: Progress | None
-) -> tuple[SplatCloud, dict[str, int]]:
+def read_spz_splats(path: str, progress: Progress | None) -> SplatColumns:
     """All splats of an .spz file."""
     with open(path, "rb") as file:
-        size = file.seek(0, 2)
-        file.seek(0)
-        begins = file.read(4)
-        file.seek(0)
-        if begins[:2] == b"\x1f\x8b":
-            head, attributes, rest = _open_gzip(path, file, size)
-        elif begins == _MAGIC.to_bytes(4, "little"):
-            head, attributes, rest = _open_zstd(path, file, size)
-        else:
-            raise Error(f"{path}: expected a file of .spz, of gzip or NGSP, found {begins!r}")
-        columns = _read_columns(path, head, attributes, progress)
-        _check_rest(path, head, rest)
-    return columns.splats(world_from_splats, name)
+        return unpack_spz(path, file, progress)
+
+
+def unpack_spz(where: str, file: BinaryIO, progress: Progress | None = None) -> SplatColumns:
+    """All splats of an .spz file that is open; ``where`` names it in errors."""
+    size = file.seek(0, 2)
+    file.seek(0)
+    begins = file.read(4)
+    file.seek(0)
+    if begins[:2] == b"\x1f\x8b":
+        head, attributes, rest = _open_gzip(where, file, size)
+    elif begins == _MAGIC.to_bytes(4, "little"):
+        head, attributes, rest = _open_zstd(where, file, size)
+    else:
+        raise Error(f"{where}: expected a file of .spz, of gzip or NGSP, found {begins!r}")
+    columns = _read_columns(where, head, attributes, progress)
+    _check_rest(where, head, rest)
+    return columns
 
 
 def _head_of(path: str, data: bytes) -> _Head:
@@ -262,10 +265,22 @@ def _read_columns(
             done += len(data)
             if progress is not None:
                 progress(done / whole)
+        if one == "positions":
+            _place(columns)
     columns.filled = head.count
     # What the bytes of all else stand for is within reach.
     columns.leave_out_far()
     return columns
+
+
+def _place(columns: SplatColumns) -> None:
+    """Take the offset off, where there is one; single precision has positions of 24 bits."""
+    positions = columns.positions
+    columns.find_offset(sample_of(positions, len(positions)))
+    if columns.offset.any():
+        for start in range(0, len(positions), PIECE):
+            rows = slice(start, start + PIECE)
+            positions[rows] = positions[rows] - columns.offset
 
 
 def _unpack(

@@ -149,11 +149,13 @@ def load_surfels(
     path: str,
     unit: str | float,
     up: str | None,
+    voxel_m: float | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """The scene of a file of points; what of it was passed over is in its warnings."""
     try:
-        cloud, told = read_points(Sieve(open_points(path), unit, up), _piece(progress, 0, _READING))
+        sieve = Sieve(open_points(path), unit, up, voxel_m=voxel_m)
+        cloud, told = read_points(sieve, _piece(progress, 0, _READING))
         rest = _piece(progress, _READING, 1)
         scene, more = make_surfels(cloud, name=os.path.basename(path), progress=rest)
     except MemoryError:
@@ -285,5 +287,5 @@ def _check_memory(cloud: PointCloud) -> None:
     raise Error(
         f"{cloud.path or 'cloud'}: {len(cloud):,} points take some {words_for_bytes(needed)} as "
         f"surfels and a world of them, of which {words_for_bytes(free)} are free: {fit:,} would "
-        f"fit; thin them by omma.scene.load_points(..., {hint})"
+        f"fit; thin them by {hint}"
     )

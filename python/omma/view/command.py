@@ -26,6 +26,7 @@ class Sources:
     ultraviolet: tuple[float, ...] | None = None
     scene_unit: str | None = None
     scene_up: str | None = None
+    scene_voxel_m: float | None = None
 
 
 def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
@@ -65,6 +66,8 @@ def render_command(sources: Sources, seen: Seen) -> tuple[str, str | None]:
         words += ["--scene-unit", sources.scene_unit]
     if sources.scene_up is not None:
         words += ["--scene-up", sources.scene_up]
+    if sources.scene_voxel_m is not None:
+        words += ["--scene-voxel-m", repr(sources.scene_voxel_m)]
     if sources.background is not None:
         words += ["--background", sources.background]
     if sources.light is not None:
@@ -92,6 +95,8 @@ def render_python(sources: Sources, seen: Seen) -> str:
             of_file.append(f"unit={sources.scene_unit!r}")
         if sources.scene_up is not None:
             of_file.append(f"up={sources.scene_up!r}")
+        if sources.scene_voxel_m is not None:
+            of_file.append(f"voxel_m={sources.scene_voxel_m!r}")
         lines.append(f"scene = omma.load_scene({', '.join(of_file)})")
         arguments = ["scene"]
         if sources.background is not None:

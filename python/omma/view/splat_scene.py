@@ -45,7 +45,7 @@ def _drawn(cloud: SplatCloud, step: int) -> DrawnSplats:
     matrix = cloud.world_from_splats
     axes = matrix[:3, :3] @ Rotation.from_quat(cloud.rotations[rows]).as_matrix()
     axes = axes * np.maximum(cloud.scales_m[rows], _LEAST_M)[:, None, :]
-    colour = 0.5 + basis(np.array([[0.0, 0.0, 1.0]]), 1)[0, 0] * cloud.harmonics[rows, 0]
+    colour = 0.5 + basis(np.array([[0.0, 0.0, 1.0]]), 1)[0, 0] * cloud.harmonics[rows, 0, :3]
     colour = np.ascontiguousarray(np.clip(colour, 0, 1), np.float32)
     if cloud.color_space == "linear":
         colour = display(colour[None])[0].astype(np.float32) / 255

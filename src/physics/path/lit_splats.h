@@ -16,6 +16,7 @@ OMMA_HD_CALLED void pass_splats(const Flight<L, Search>& flight, LaneMask<L> on,
   const SceneView& scene = flight.scene;
   float(&seen_m)[L::count] = flight.state.seen_m;
   SplatLight<L> light;
+  light.channels = scene.splats->channels;
   SplatDepths<L> depths;
   eval_splats<L>({*scene.splats, flight.search.visits_of_trees()}, on, flight.packet.rays, seen_m,
                  light, first == nullptr ? nullptr : &depths);
@@ -24,10 +25,10 @@ OMMA_HD_CALLED void pass_splats(const Flight<L, Search>& flight, LaneMask<L> on,
   for (int l = 0; l < L::count; l += L::width) {
     store(weight + l, keep(on.at(l), broadcast<F>(1.0f)));
     for (int b = 0; b < scene.bands; ++b) {
-      const float* row = scene.splat_emission + 3 * b;
-      store(flight.memory.light + b * L::count + l, load<F>(light.rgb[0] + l) * row[0] +
-                                                        load<F>(light.rgb[1] + l) * row[1] +
-                                                        load<F>(light.rgb[2] + l) * row[2]);
+      const float* row = scene.splat_emission + light.channels * b;
+      F sum{};
+      for (int i = 0; i < light.channels; ++i) sum += load<F>(light.color[i] + l) * row[i];
+      store(flight.memory.light + b * L::count + l, sum);
     }
   }
   add_light<L>(flight, weight, nullptr, flight.memory.light);

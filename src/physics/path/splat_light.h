@@ -19,11 +19,12 @@
 
 namespace omma {
 
-// What splats between two places along rays add, and how much of the light behind them they let
-// through, [lane].
+// What splats between two places along rays add, in as many channels as are asked for, and how much
+// of the light behind them they let through, [lane].
 template <typename L>
 struct SplatLight {
-  alignas(L::count * 4) float rgb[3][L::count];  // linear
+  int channels;
+  alignas(L::count * 4) float color[splat_channels_kept][L::count];  // linear
   alignas(L::count * 4) float transmittance[L::count];
 };
 
@@ -36,52 +37,79 @@ struct SplatDepths {
   std::uint32_t cloud[L::count];  // of the splat there
 };
 
+// A colour in the space in which it is composited.
+struct SplatChannels {
+  float channel[splat_channels_kept];
+};
+
 // Where packets keep colours of splats that were asked for last, as long as all rays see them from
 // one place.
 template <typename L>
 struct SplatColors {
   static constexpr int size = L::count > 1 ? 64 : 1;
   bool one_origin;
+  int channels;
   std::int32_t index[size];
-  Vec3 color[size];
+  SplatChannels color[size];
 };
 
-// Σ_k y_k c_k over a splat's harmonics c, [term][RGB].
-OMMA_HD Vec3 sum_harmonics(const float (&y)[most_harmonics], const float* c, int terms) {
-  Vec3 sum{0, 0, 0};
-  for (int k = 0; k < terms; ++k) sum = sum + Vec3{c[3 * k], c[3 * k + 1], c[3 * k + 2]} * y[k];
-  return sum;
+// 0.5 + Σ_k y_k c_k over a splat's harmonics c, [term][stride], where that is positive.
+// `fixed`: how many channels, where that is known beforehand, or 0.
+template <int fixed>
+OMMA_HD void sum_harmonics(const float (&y)[most_harmonics], const float* c,
+                           const SplatCloudView& cloud, int asked, SplatChannels& color) {
+  const int channels = fixed > 0 ? fixed : asked;
+  for (int i = 0; i < channels; ++i) color.channel[i] = 0.5f;
+  for (int k = 0; k < cloud.terms; ++k, c += cloud.channels)
+    for (int i = 0; i < channels; ++i) color.channel[i] += c[i] * y[k];
+  for (int i = 0; i < channels; ++i)
+    color.channel[i] = color.channel[i] > 0 ? color.channel[i] : 0.0f;
 }
 
-// The colour of a splat in the space in which it is composited.
+// The colour of a splat in the space in which it is composited, its first `channels`.
 template <typename L>
-OMMA_HD_CALLED Vec3 splat_color(const SplatCloudView& cloud, std::uint32_t splat, Vec3 seen_along) {
+OMMA_HD_CALLED void splat_color(const SplatCloudView& cloud, std::uint32_t splat, Vec3 seen_along,
+                                int channels, SplatChannels& color) {
   const Vec3 d = vec_of(normalize(whiten(cloud.cloud_from_frame, vector_of(seen_along))));
   float y[most_harmonics];
   eval_harmonics(d, cloud.terms, y);
-  const Vec3 sum =
-      sum_harmonics(y, cloud.harmonics + std::ptrdiff_t{3} * cloud.terms * splat, cloud.terms);
-  const Vec3 color = sum + Vec3{0.5f, 0.5f, 0.5f};
-  return {color.x > 0 ? color.x : 0.0f, color.y > 0 ? color.y : 0.0f, color.z > 0 ? color.z : 0.0f};
+  const float* c = cloud.harmonics + std::ptrdiff_t{cloud.channels} * cloud.terms * splat;
+  if (channels == 3) {
+    sum_harmonics<3>(y, c, cloud, channels, color);  // RGB, which most have
+  } else {
+    sum_harmonics<0>(y, c, cloud, channels, color);
+  }
+}
+
+// Asks for the harmonics of a splat, which lie anywhere.
+OMMA_HD void fetch_harmonics(const SplatsView& view, std::int32_t index) {
+  const TracedSplat& splat = view.splats[index];
+  const SplatCloudView& cloud = view.clouds[splat.cloud];
+  const int numbers = cloud.channels * cloud.terms;
+  constexpr int per_line = 16;
+  const float* const first = cloud.harmonics + std::ptrdiff_t{numbers} * splat.splat;
+  for (int k = 0; k < numbers; k += per_line) fetch_line(first + k);
 }
 
 // That of a splat as a lane sees it; `rays` are in the frame of splats.
 template <typename L>
-OMMA_HD Vec3 color_for(const SplatsView& view, std::int32_t index, const RayFrame<L>& rays, int l,
-                       SplatColors<L>& known) {
+OMMA_HD const SplatChannels& color_for(const SplatsView& view, std::int32_t index,
+                                       const RayFrame<L>& rays, int l, SplatColors<L>& known) {
   const TracedSplat& splat = view.splats[index];
   const SplatCloudView& cloud = view.clouds[splat.cloud];
-  const Vec3 direction{rays.direction[0][l], rays.direction[1][l], rays.direction[2][l]};
-  if (cloud.by_ray) return splat_color<L>(cloud, splat.splat, direction);
-  const Vec3 along = Vec3{splat.center[0], splat.center[1], splat.center[2]} -
-                     Vec3{rays.origin[0][l], rays.origin[1][l], rays.origin[2][l]};
-  if (!known.one_origin) return splat_color<L>(cloud, splat.splat, along);
   const int at = index % SplatColors<L>::size;
-  if (known.index[at] != index) {
+  SplatChannels& color = known.color[at];
+  if (cloud.by_ray) {
+    const Vec3 direction{rays.direction[0][l], rays.direction[1][l], rays.direction[2][l]};
+    splat_color<L>(cloud, splat.splat, direction, known.channels, color);
+    known.index[at] = -1;
+  } else if (!known.one_origin || known.index[at] != index) {
+    const Vec3 along = Vec3{splat.center[0], splat.center[1], splat.center[2]} -
+                       Vec3{rays.origin[0][l], rays.origin[1][l], rays.origin[2][l]};
+    splat_color<L>(cloud, splat.splat, along, known.channels, color);
     known.index[at] = index;
-    known.color[at] = splat_color<L>(cloud, splat.splat, along);
   }
-  return known.color[at];
+  return color;
 }
 
 // Adds the splats of a lane's buffer to its light, as long as light gets through, and notes where
@@ -89,12 +117,16 @@ OMMA_HD Vec3 color_for(const SplatsView& view, std::int32_t index, const RayFram
 template <typename L, typename Color>
 OMMA_HD bool add_splats(const SplatsView& view, SplatBuffer<L>& buffer, int l, const Color& color,
                         SplatLight<L>& light, SplatDepths<L>* depths) {
+  constexpr int ahead = 4;
   float through = light.transmittance[l];
-  Vec3 sum = vec_at(light.rgb, l);
   for (int k = 0; k < buffer.count[l] && through >= least_splat_transmittance; ++k) {
-    const float alpha = buffer.alpha[l][k], weight = through * alpha;
-    const SplatPlace& place = buffer.place[l][k];
-    sum = sum + color(place.index) * weight;
+    const float alpha = buffer.alpha[l][1 + k], weight = through * alpha;
+    const SplatPlace place = buffer.place(l, k);
+    if (light.channels > 0) {
+      if (k + ahead < buffer.count[l]) fetch_harmonics(view, buffer.place(l, k + ahead).index);
+      const SplatChannels& c = color(place.index);
+      for (int i = 0; i < light.channels; ++i) light.color[i][l] += c.channel[i] * weight;
+    }
     through *= 1.0f - alpha;
     buffer.near_m[l] = place.t_m;
     buffer.last[l] = place.index;
@@ -104,9 +136,6 @@ OMMA_HD bool add_splats(const SplatsView& view, SplatBuffer<L>& buffer, int l, c
     depths->half_m[l] = place.t_m;
     depths->cloud[l] = view.splats[place.index].cloud;
   }
-  light.rgb[0][l] = sum.x;
-  light.rgb[1][l] = sum.y;
-  light.rgb[2][l] = sum.z;
   light.transmittance[l] = buffer.through_near[l] = through;
   return through >= least_splat_transmittance && buffer.count[l] == SplatBuffer<L>::capacity;
 }
@@ -115,20 +144,19 @@ OMMA_HD bool add_splats(const SplatsView& view, SplatBuffer<L>& buffer, int l, c
 template <typename L>
 OMMA_HD void decode_splats(const SplatsView& view, SplatLight<L>& light) {
   using F = typename L::F;
-  const float white[3] = {view.white.x, view.white.y, view.white.z};
   for (int l = 0; l < L::count; l += L::width) {
     const F covered = 1.0f - load<F>(light.transmittance + l);
     const F at_least = covered > 1e-6f ? covered : broadcast<F>(1e-6f);
-    for (int c = 0; c < 3; ++c) {
-      float* const rgb = light.rgb[c] + l;
-      const F sum = load<F>(rgb);
-      store(rgb, white[c] * (view.is_srgb ? covered * linear_of_srgb(sum / at_least) : sum));
+    for (int i = 0; i < light.channels; ++i) {
+      float* const at = light.color[i] + l;
+      const F sum = load<F>(at);
+      store(at, view.white[i] * (view.is_srgb ? covered * linear_of_srgb(sum / at_least) : sum));
     }
   }
 }
 
 // Light of splats along the rays of some lanes, behind begin_m and their t_near_m, up to their
-// t_far_m. `depths` may be null.
+// t_far_m, in light.channels, which may be 0. `depths` may be null.
 template <typename L>
 OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
                                 const RayPacket<L::count>& rays, const float (&begin_m)[L::count],
@@ -142,15 +170,14 @@ OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
     buffer.near_m[l] = begin_m[l] > rays.t_near_m[l] ? begin_m[l] : rays.t_near_m[l];
     buffer.last[l] = behind_all;
     buffer.through_near[l] = light.transmittance[l] = 1;
-    for (int a = 0; a < 3; ++a) {
-      light.rgb[a][l] = 0;
-      origin[a][l] = rays.origin[a][l] - view.first_origin_m[a];
-    }
+    for (int i = 0; i < light.channels; ++i) light.color[i][l] = 0;
+    for (int a = 0; a < 3; ++a) origin[a][l] = rays.origin[a][l] - view.first_origin_m[a];
     if (depths == nullptr) continue;
     depths->weighted_m[l] = 0;
     depths->half_m[l] = INFINITY;
   }
   colors.one_origin = L::count > 1;
+  colors.channels = light.channels;
   for (std::int32_t& index : colors.index) index = -1;
   on.for_each([&](int l) {
     for (int a = 0; a < 3; ++a)
@@ -162,7 +189,7 @@ OMMA_HD_CALLED void eval_splats(const SplatTree<L>& tree, LaneMask<L> on,
     for (int l = 0; l < L::count; ++l) buffer.far_m[l] = rays.t_far_m[l];
     find_splats<L>(tree, left, frame, buffer);
     left.for_each([&](int l) {
-      const auto color = [&](std::int32_t index) {
+      const auto color = [&](std::int32_t index) -> const SplatChannels& {
         return color_for<L>(view, index, frame, l, colors);
       };
       if (!add_splats(view, buffer, l, color, light, depths)) left.bits &= ~(1u << l);
@@ -201,6 +228,7 @@ OMMA_HD_CALLED void cover_with_splats(const Flight& flight, LaneMask<L> on,
   using F = typename L::F;
   const RayPacket<L::count>& rays = flight.packet.rays;
   SplatLight<L> light;
+  light.channels = 3;
   SplatDepths<L> depths;
   eval_splats<L>({*flight.scene.splats, flight.search.visits_of_trees()}, on, rays, seen_m, light,
                  first == nullptr ? nullptr : &depths);
@@ -211,7 +239,7 @@ OMMA_HD_CALLED void cover_with_splats(const Flight& flight, LaneMask<L> on,
     const F per_covered = covered > 0.0f ? 1.0f / covered : F{};
     for (int c = 0; c < 3; ++c) {
       float* const rgb = color.rgb[c] + l;
-      store(rgb, (load<F>(light.rgb[c] + l) + through * alpha * load<F>(rgb)) * per_covered);
+      store(rgb, (load<F>(light.color[c] + l) + through * alpha * load<F>(rgb)) * per_covered);
     }
     store(color.alpha + l, covered);
     store(seen_m + l, load<F>(rays.t_far_m + l));

@@ -61,6 +61,7 @@ OMMA_HD_CALLED void dim_by_splats(const SceneView& scene, Search& search, LaneMa
     begin_m[l] = 0;
   }
   SplatLight<L> light;
+  light.channels = 0;
   eval_splats<L>({*scene.splats, search.visits_of_trees()}, lanes, shadow.rays, begin_m, light,
                  nullptr);
   for (int b = 0; b < scene.bands; ++b)

@@ -39,51 +39,81 @@ struct SplatTree {
 // Where the rays of a packet have come, and the next splats of each lane in order, [lane].
 template <typename L>
 struct SplatBuffer {
-  static constexpr int capacity = L::count > 1 ? 32 : 16;  // a thread of a card has a small stack
+  static constexpr int capacity = L::count > 1 ? 64 : 16;  // a thread of a card has a small stack
   alignas(L::count * 4) float near_m[L::count];
   std::int32_t last[L::count];  // index of the splat at near_m that was found last, or behind_all
   float through_near[L::count];                 // how much light gets through up to there
   alignas(L::count * 4) float far_m[L::count];  // how far rays look
   int count[L::count];
   float through[L::count];  // through_near · Π (1 − α) over the splats here
-  SplatPlace place[L::count][capacity];
-  float alpha[L::count][capacity];
+  // What was found, [lane][1 + k]: rows begin with one number more, as they are moved up by one.
+  float t_m[L::count][1 + capacity];
+  std::int32_t index[L::count][1 + capacity];
+  float alpha[L::count][1 + capacity];
+
+  OMMA_HD SplatPlace place(int l, int k) const { return {t_m[l][1 + k], index[l][1 + k]}; }
 };
+
+// How many of a lane's places are not behind another.
+template <typename L>
+OMMA_HD int count_before(const SplatBuffer<L>& buffer, int l, const SplatPlace& place) {
+  using F = typename L::F;
+  using I = typename L::I;
+  int before = 0;
+  for (int k = 0; k < buffer.count[l]; k += L::width) {
+    const F t = load<F>(buffer.t_m[l] + 1 + k);
+    const I index = load<I>(buffer.index[l] + 1 + k);
+    const unsigned bits = lane_bits(t < place.t_m) |
+                          (lane_bits(t == place.t_m) & lane_bits(index < place.index));
+    const int left = buffer.count[l] - k;
+    before += bits_in(left < L::width ? bits & ((1u << left) - 1u) : bits);
+  }
+  return before;
+}
+
+// Puts a value at `at` of a row, whose last ones move up by one.
+template <typename V, typename L, typename T, std::size_t size>
+OMMA_HD void put_between(T (&row)[size], int at, int count, T value) {
+  const auto number = lane_numbers<L>();
+  for (int k = (count - 1) / L::width * L::width; k > at - L::width; k -= L::width) {
+    const V moved = load<V>(row + k);
+    const auto lane = number + k;
+    store(row + 1 + k, lane < at ? load<V>(row + 1 + k) : (lane == at ? V{} + value : moved));
+  }
+}
 
 // Leaves out what is behind where next to no light gets through any more, whatever else is found
 // before. By half of the threshold, so that rounding never decides.
 template <typename L>
 OMMA_HD void cut_unseen(SplatBuffer<L>& buffer, int l) {
-  float through = buffer.through_near[l];
-  for (int k = 0; k < buffer.count[l]; ++k) {
-    through *= 1.0f - buffer.alpha[l][k];
-    if (through >= 0.5f * least_splat_transmittance) continue;
-    buffer.count[l] = k + 1;
-    buffer.through[l] = through;
-    buffer.far_m[l] = buffer.place[l][k].t_m;
-    return;
+  constexpr float unseen = 0.5f * least_splat_transmittance;
+  if (buffer.through[l] >= unseen) return;
+  for (; buffer.count[l] > 0; --buffer.count[l]) {
+    const float past_last = 1.0f - buffer.alpha[l][buffer.count[l]];
+    if (buffer.through[l] >= unseen * past_last) break;
+    buffer.through[l] /= past_last;
   }
-  buffer.through[l] = through;
+  buffer.far_m[l] = buffer.t_m[l][buffer.count[l]];
 }
 
 // Puts a splat where it belongs; the last one makes room for it.
 template <typename L>
 OMMA_HD void insert_splat(SplatBuffer<L>& buffer, int l, const SplatPlace& place, float alpha) {
-  constexpr int last = SplatBuffer<L>::capacity - 1;
-  const bool full = buffer.count[l] > last;
-  if (full && is_behind(place, buffer.place[l][last])) return;
-  int k = full ? last : buffer.count[l]++;
-  for (; k > 0 && is_behind(buffer.place[l][k - 1], place); --k) {
-    buffer.place[l][k] = buffer.place[l][k - 1];
-    buffer.alpha[l][k] = buffer.alpha[l][k - 1];
+  constexpr int capacity = SplatBuffer<L>::capacity;
+  const int at = count_before(buffer, l, place);
+  if (at == capacity) return;
+  if (buffer.count[l] == capacity) {
+    buffer.through[l] /= 1.0f - buffer.alpha[l][capacity];
+  } else {
+    ++buffer.count[l];
   }
-  buffer.place[l][k] = place;
-  buffer.alpha[l][k] = alpha;
-  if (buffer.count[l] > last) buffer.far_m[l] = buffer.place[l][last].t_m;
-  // As long as nothing has been dropped that is what gets through, else less: then it is found
-  // anew.
+  const int count = buffer.count[l];
+  put_between<typename L::F, L>(buffer.t_m[l], at, count, place.t_m);
+  put_between<typename L::I, L>(buffer.index[l], at, count, place.index);
+  put_between<typename L::F, L>(buffer.alpha[l], at, count, alpha);
+  if (count == capacity) buffer.far_m[l] = buffer.t_m[l][capacity];
   buffer.through[l] *= 1.0f - alpha;
-  if (buffer.through[l] < 0.5f * least_splat_transmittance) cut_unseen(buffer, l);
+  cut_unseen(buffer, l);
 }
 
 // By a splat's whitening.

@@ -15,7 +15,8 @@ namespace omma {
 inline constexpr float most_splat_alpha = 0.99f, least_splat_alpha = 1.0f / 255;
 inline constexpr float least_splat_transmittance = 1e-4f;
 
-inline constexpr int most_harmonics = 16;  // of degree 3
+inline constexpr int most_harmonics = 16;       // of degree 3
+inline constexpr int splat_channels_kept = 16;  // most_splat_channels
 
 // A splat as rays search it.
 struct alignas(64) TracedSplat {
@@ -31,8 +32,8 @@ static_assert(sizeof(TracedSplat) == 64);
 
 struct SplatCloudView {
   float cloud_from_frame[3][3] = {};  // of directions
-  const float* harmonics = nullptr;   // [splat][term][RGB]
-  std::int32_t splat_count = 0, terms = 1;
+  const float* harmonics = nullptr;   // [splat][term][channel]
+  std::int32_t splat_count = 0, terms = 1, channels = 3;
   bool by_ray = false;  // SplatDirection::ray
 };
 
@@ -44,7 +45,8 @@ struct SplatsView {
   const SplatCloudView* clouds = nullptr;
   const float* first_origin_m = nullptr;  // [3], of the frame of splats in the traced one
   bool is_srgb = true;                    // SplatColor::srgb
-  Vec3 white{1, 1, 1};                    // linear RGB of a colour of 1
+  float white[splat_channels_kept] = {};  // linear, of a colour of 1
+  std::int32_t channels = 3;
   std::int64_t node_count = 0, splat_count = 0;
   std::int32_t cloud_count = 0;
   Version version = 0;  // of all but first_origin_m

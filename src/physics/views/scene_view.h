@@ -157,7 +157,7 @@ struct SceneView {
   const float* frame_from_mesh = nullptr;  // [instance of the scene][3][4], traced frame, row major
   bool has_blend = false;  // whether any surface lets light through in part
   const SplatsView* splats = nullptr;     // null where there are none
-  const float* splat_emission = nullptr;  // where the world is lit, of their linear RGB: [band][3]
+  const float* splat_emission = nullptr;  // where the world is lit: [band][channel of splats]
   // What linear RGB is in each band: [bands][3], or null where the bands are RGB itself.
   int bands = 3;
   const float* band_from_rgb = nullptr;

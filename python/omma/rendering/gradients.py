@@ -1,0 +1,305 @@
+"""Methods of `omma.Renderer`: how responses change with the eye and with where the head looks.
+
+The scene does not depend on the eye. With the sensitivity as a density p(ω; θ) over directions,
+
+    r = ∫ p L dω,    ∂r/∂θ = ∫ p (∂ ln p / ∂θ) L dω = E[(L − b) ∂ ln p / ∂θ],
+
+so that the rays that a response is the mean of give its derivative as well, by other weights, edges
+and all (the likelihood ratio method: Glynn 1990, doi:10.1145/84537.84552). The control variate b
+changes nothing in the mean, as that of ∂ ln p / ∂θ is 0; it is the response by other, independent
+rays, which keeps the estimate unbiased.
+
+For a round Gaussian of full width w at half maximum, with the angle ϑ from its axis a, the unit
+vector s that points from a to the ray, and Z(w) = ∫ exp(−4 ln 2 ϑ²/w²) sin ϑ dϑ,
+
+    ∂ ln p / ∂w = 8 ln 2 ϑ²/w³ − Z'/Z,    ∂ ln p / ∂a = 8 ln 2 ϑ/w² s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked, one_of
+from omma.base.methods import method_of
+from omma.base.progress import Progress, share_of
+from omma.rendering.call import Call, Poses, Prepared, Responses, poses_of
+from omma.rendering.settings import Fixed, fixed_samples
+
+Floats = NDArray[np.float64]
+
+Parameter = Literal["acceptance_angle_rad", "axis", "rotation_rad"]
+PARAMETERS: tuple[Parameter, ...] = get_args(Parameter)
+
+# Independent estimates, whose spread is the error, as of standard errors (error_scrambles).
+_ESTIMATES = 8
+# Of what is kept of rays at once.
+_MOST_BYTES = 1 << 28
+_FOUR_LN2 = 4 * np.log(2)
+
+
+@dataclass(frozen=True)
+class Jacobian:
+    """Responses at P poses, and their derivatives.
+
+    Attributes:
+        responses: (P, N, C), the mean of all rays.
+        values: by parameter, (P, N, C) for ``acceptance_angle_rad``, per rad; (P, N, C, 3) for
+            ``axis``, in the head's frame, across the axis, and for ``rotation_rad``, in the
+            world's. What ommatidium i does depends on its own width and axis alone.
+        errors: their standard errors, of the same shapes.
+    """
+
+    responses: Responses
+    values: dict[Parameter, Floats]
+    errors: dict[Parameter, Floats]
+
+    @checked
+    def jvp(self, tangents: Mapping[Parameter, ArrayLike]) -> Floats:
+        """(P, N, C): how responses change where parameters do by these: (N,) or a number, rad, for
+        ``acceptance_angle_rad``; (N, 3) for ``axis``; (P, 3) or (3,), rad, for ``rotation_rad``.
+
+        Raises:
+            omma.Error: a parameter that this has no derivatives by, another shape.
+        """
+        poses, ommatidia, channels = self.responses.shape
+        change = np.zeros((poses, ommatidia, channels))
+        for name, tangent in tangents.items():
+            value = self._value(name)
+            if name == "acceptance_angle_rad":
+                by = np.broadcast_to(array_of(tangent, name), (ommatidia,))
+                change += value * by[:, None]
+            elif name == "axis":
+                change += np.einsum("pnci,ni->pnc", value, array_of(tangent, name, (ommatidia, 3)))
+            else:
+                by = np.broadcast_to(array_of(tangent, name), (poses, 3))
+                change += np.einsum("pnci,pi->pnc", value, by)
+        return change
+
+    @checked
+    def vjp(self, cotangent: ArrayLike) -> dict[Parameter, Floats]:
+        """By parameter, the gradient of a number of which ``cotangent`` (P, N, C) is the gradient
+        by responses: (N,) for ``acceptance_angle_rad``, (N, 3) for ``axis``, (P, 3) for
+        ``rotation_rad``.
+
+        Raises:
+            omma.Error: another shape, a cotangent that is not finite.
+        """
+        weights = array_of(cotangent, "cotangent", self.responses.shape)
+        if not np.isfinite(weights).all():
+            raise Error("cotangent: expected finite numbers")
+        summed = {"acceptance_angle_rad": "pnc,pnc->n", "axis": "pnc,pnci->ni"}
+        return {
+            name: np.einsum(summed.get(name, "pnc,pnci->pi"), weights, value)
+            for name, value in self.values.items()
+        }
+
+    def _value(self, name: Parameter) -> Floats:
+        if name not in self.values:
+            raise Error(f"{name}: expected one of {', '.join(self.values)}")
+        return self.values[name]
+
+
+@checked
+@method_of("omma.rendering.renderer", "Renderer")
+def jacobian(
+    self: Prepared,
+    poses: Poses,
+    *,
+    by: Parameter | Sequence[Parameter] = PARAMETERS,
+    first_pose: int = 0,
+    progress: Progress | None = None,
+) -> Jacobian:
+    """Responses and their derivatives by the eye's widths and axes and by the head's rotation.
+
+    As many rays as of the renderer's ``Fixed`` are taken, in eight independent estimates, at least
+    one in each; the same numbers for the same ``first_pose``, whatever the noise of the renderer.
+    The world is one that is not lit, and has any edges. What textures lose by the footprints of
+    rays is taken as it is: it does not count as a change with the width.
+
+    Args:
+        poses: as in `render`.
+        by: which derivatives: ``acceptance_angle_rad``; ``axis``, of the unit vectors in the
+            head's frame; ``rotation_rad``, of a turn of the head about each axis of the world, as
+            if about each ommatidium's own place: what it moves by, edges in their distance show,
+            and is left out.
+        first_pose: another number takes other rays.
+        progress: called with the finished share (0 to 1).
+
+    Example:
+        >>> eye = omma.eye.generate_eye(20)
+        >>> renderer = omma.Renderer(omma.scene.box(), eye, omma.Fixed(64))
+        >>> found = renderer.jacobian(np.eye(4), by="acceptance_angle_rad")
+        >>> found.values["acceptance_angle_rad"].shape
+        (1, 20, 3)
+
+    Raises:
+        omma.Error: a lit world, rays that are not `Fixed`, ommatidia that are not round Gaussians
+            of a width above 0, frames that last, or what `render` raises.
+    """
+    names = (by,) if isinstance(by, str) else tuple(by)
+    for name in names:
+        one_of(name, PARAMETERS, "by")
+    samples = fixed_samples(self.settings.sampling, "a Jacobian")
+    _expect_differentiable(self)
+    matrices = poses_of(self, poses)
+    of_each = max(1, samples // _ESTIMATES)
+    seen_by = self.with_eye(self.eye, Fixed(of_each), noise="new_every_frame")
+    rays = _ESTIMATES * of_each * len(self.eye)
+    at_once = max(1, _MOST_BYTES // (8 * rays * (10 + self.bands)))
+    pieces: list[tuple[Floats, dict[Parameter, tuple[Floats, Floats]]]] = []
+    for start in range(0, len(matrices), at_once):
+        piece = matrices[start : start + at_once]
+        share = (start / len(matrices), (start + len(piece)) / len(matrices))
+        first = _ESTIMATES * (first_pose + start)
+        pieces.append(_weigh(seen_by, piece, first, names, share_of(progress, *share)))
+    found = {
+        name: [np.concatenate([piece[1][name][k] for piece in pieces]) for k in (0, 1)]
+        for name in names
+    }
+    return Jacobian(
+        np.concatenate([piece[0] for piece in pieces]).astype(np.float32),
+        {name: both[0] for name, both in found.items()},
+        {name: both[1] for name, both in found.items()},
+    )
+
+
+@checked
+@method_of("omma.rendering.renderer", "Renderer")
+def jvp(
+    self: Prepared, poses: Poses, tangents: Mapping[Parameter, ArrayLike], **options: Any
+) -> tuple[Responses, Floats]:
+    """Responses (P, N, C), and how they change where parameters do: `Jacobian.jvp` of `jacobian`,
+    which has the other arguments and the errors.
+
+    Args:
+        poses: as in `render`.
+        tangents: by parameter, by how much it changes.
+        options: ``first_pose`` and ``progress``.
+    """
+    found = jacobian(self, poses, by=tuple(tangents), **options)
+    return found.responses, found.jvp(tangents)
+
+
+@checked
+@method_of("omma.rendering.renderer", "Renderer")
+def vjp(
+    self: Prepared,
+    poses: Poses,
+    cotangent: ArrayLike,
+    *,
+    by: Parameter | Sequence[Parameter] = PARAMETERS,
+    **options: Any,
+) -> tuple[Responses, dict[Parameter, Floats]]:
+    """Responses (P, N, C), and gradients of a number by the parameters: `Jacobian.vjp` of
+    `jacobian`, which has the other arguments and the errors.
+
+    Args:
+        poses: as in `render`.
+        cotangent: (P, N, C), the number's gradient by responses.
+        by: which parameters.
+        options: ``first_pose`` and ``progress``.
+    """
+    found = jacobian(self, poses, by=by, **options)
+    return found.responses, found.vjp(cotangent)
+
+
+def _expect_differentiable(renderer: Prepared) -> None:
+    eye, settings = renderer.eye, renderer.settings
+    if renderer.world.light is not None:
+        raise Error(
+            "world: expected one that is not lit: suns and lamps are summed beside the rays, which "
+            "weights of rays leave out; take differences of renders with one seed"
+        )
+    if settings.impulse_response is not None:
+        raise Error("impulse_response: expected frames that do not last")
+    own = settings.angular_sensitivity == "own"
+    if not own and settings.angular_sensitivity != "gaussian":
+        raise Error(
+            "angular_sensitivity: expected Gaussians, whose density has derivatives everywhere, "
+            f"found {settings.angular_sensitivity}"
+        )
+    round_ones = eye.acceptance_of < 0 if own else np.ones(len(eye), bool)
+    wrong = np.flatnonzero(~(round_ones & (eye.acceptance_angle_rad > 0)))
+    if len(wrong):
+        raise Error(
+            f"eye: expected round Gaussians of a width above 0; {len(wrong):,} ommatidia are none, "
+            f"the first {wrong[0]}"
+        )
+
+
+def _weigh(
+    renderer: Prepared,
+    poses: Floats,
+    first_frame: int,
+    names: Sequence[Parameter],
+    progress: Progress | None,
+) -> tuple[Floats, dict[Parameter, tuple[Floats, Floats]]]:
+    """Responses, and by parameter values and errors."""
+    repeated = np.ascontiguousarray(np.repeat(poses, _ESTIMATES, axis=0))
+    call = Call.of(renderer, repeated, {}, first_frame, progress)
+    samples = fixed_samples(renderer.settings.sampling, "a Jacobian")
+    radiance = np.empty((*call.size, samples, renderer.bands), np.float32)
+    call.render(call.new_frames(), ray_radiance=radiance)
+    directions = np.empty((*call.size, samples, 3), np.float32)
+    renderer._engine.ray_directions(repeated, first_frame, directions)
+
+    estimates = (len(poses), _ESTIMATES, len(renderer.eye))
+    light = radiance.reshape(*estimates, samples, -1)
+    each = light.mean(axis=3, dtype=np.float64)  # (P, estimate, N, C)
+    others = (each.sum(axis=1, keepdims=True) - each) / (_ESTIMATES - 1)
+    above = light - others[:, :, :, None, :]
+    scores = _scores(renderer.eye, poses, directions.reshape(*estimates, samples, 3), names)
+    found: dict[Parameter, tuple[Floats, Floats]] = {}
+    for name, score in scores.items():
+        estimate = np.einsum("pensc,pens...->penc...", above, score, optimize=True) / samples
+        spread = estimate.std(axis=1, ddof=1) / np.sqrt(_ESTIMATES)
+        found[name] = estimate.mean(axis=1), spread
+    return each.mean(axis=1), found
+
+
+def _scores(
+    eye: Eye, poses: Floats, directions: NDArray[np.float32], names: Sequence[Parameter]
+) -> dict[Parameter, Floats]:
+    """∂ ln p / ∂θ of rays (P, estimate, N, sample, 3), for each parameter."""
+    turns = poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)
+    axis = np.einsum("pij,nj->pni", turns, eye.axis.astype(np.float64))
+    axis /= np.linalg.norm(axis, axis=2, keepdims=True)
+    axis = axis[:, None, :, None, :]
+    along = np.sum(directions * axis, axis=-1, keepdims=True)
+    across = directions - along * axis
+    sine = np.linalg.norm(across, axis=-1)
+    angle = np.arctan2(sine, along[..., 0])
+    width = eye.acceptance_angle_rad.astype(np.float64)[:, None]
+    scores: dict[Parameter, Floats] = {}
+    if "acceptance_angle_rad" in names:
+        normal = _log_integral_slope(width[:, 0])[:, None]
+        scores["acceptance_angle_rad"] = 2 * _FOUR_LN2 * angle**2 / width**3 - normal
+    if "axis" in names or "rotation_rad" in names:
+        # The angle over its sine is 1 on the axis itself.
+        per_sine = np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0)
+        towards = (2 * _FOUR_LN2 / width**2 * per_sine)[..., None] * across
+        if "rotation_rad" in names:
+            # A turn by ρ moves the axis by ρ × a.
+            scores["rotation_rad"] = np.cross(np.broadcast_to(axis, towards.shape), towards)
+        if "axis" in names:
+            scores["axis"] = np.einsum("pij,pensi->pensj", turns, towards)
+    return scores
+
+
+def _log_integral_slope(width: Floats) -> Floats:
+    """d ln Z / d w (N,) of Gaussians of these widths, by Gauss-Legendre quadrature."""
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    widths, back = np.unique(width, return_inverse=True)
+    # All of it lies within five widths, 30 standard deviations twice over.
+    end = np.minimum(5 * widths, np.pi)[:, None]
+    angle = end * (nodes + 1) / 2
+    density = np.exp(-_FOUR_LN2 * (angle / widths[:, None]) ** 2) * np.sin(angle) * weights
+    slope: Floats = np.sum(2 * _FOUR_LN2 * angle**2 / widths[:, None] ** 3 * density, axis=1)
+    of_each: Floats = slope / density.sum(axis=1)
+    return of_each[back]

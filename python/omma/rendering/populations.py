@@ -1,0 +1,195 @@
+"""Many different eyes in one world, rendered in one call: those of a generation that evolves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma import _core
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked, expect
+from omma.base.progress import Progress
+from omma.rendering.call import Responses
+from omma.rendering.pose_warnings import warn_of_poses
+from omma.rendering.settings import (
+    Fixed,
+    Options,
+    Sampling,
+    Settings,
+    frame_number,
+    takes_options,
+)
+from omma.scene.world import World
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class Population:
+    """E eyes in one world, ready to render; each may have another number of ommatidia.
+
+    Each eye sees what it would alone, with the same rays, to the bit, as long as all of them
+    together have at most 64 different acceptance angles; where there are more, directions of
+    nearby widths come of one table, and sensitivities are off by 1e-4 at most. Making one takes
+    less than rendering it.
+
+    Args:
+        world: what there is to see.
+        eyes: E eyes; or one, whose ommatidia are those of all, one eye behind the other.
+        sampling: `omma.Fixed`: as many rays for every ommatidium.
+        sizes: (E,), with one eye: how many ommatidia each has.
+        options: as of `Renderer`, but for an impulse response.
+        threads: 0 takes one per hardware thread.
+
+    Example:
+        >>> eyes = [omma.eye.generate_eye(n) for n in (20, 30)]
+        >>> population = omma.Population(omma.World(omma.scene.box()), eyes, omma.Fixed(8))
+        >>> [one.shape for one in population.render(np.eye(4))]
+        [(1, 20, 3), (1, 30, 3)]
+
+    Raises:
+        omma.Error: no eyes, eyes of different receptors, sizes that are not those of the
+            ommatidia, an argument out of its range, a world on a graphics card.
+        TypeError: an argument is of another type.
+    """
+
+    @checked
+    @takes_options
+    def __init__(
+        self,
+        world: World,
+        eyes: Eye | Sequence[Eye],
+        sampling: Sampling = Settings.sampling,
+        *,
+        sizes: ArrayLike | None = None,
+        threads: int = 0,
+        **options: Unpack[Options],
+    ) -> None:
+        expect(world, World, "world", "omma.World(scene) makes one")
+        expect(sampling, Fixed, "sampling", "the ommatidia of a population have equally many rays")
+        self._settings = Settings(sampling, **options)
+        if self._settings.impulse_response is not None:
+            raise Error("impulse_response: expected frames that do not last for a population")
+        self._world, self._threads = world, threads
+        self._take(eyes, sizes, world._engine)
+
+    @checked
+    def with_eyes(self, eyes: Eye | Sequence[Eye], *, sizes: ArrayLike | None = None) -> Population:
+        """Other eyes in the same world with the same settings, as the next generation: what both
+        need is taken from here.
+
+        Raises:
+            omma.Error: as making one does.
+        """
+        other = object.__new__(Population)
+        vars(other).update(vars(self))
+        other._take(eyes, sizes, self._engine)
+        return other
+
+    def _take(
+        self,
+        eyes: Eye | Sequence[Eye],
+        sizes: ArrayLike | None,
+        known: _core.World | _core.Renderer,
+    ) -> None:
+        merged, counts = _merged(eyes, sizes)
+        settings = self._settings.engine_settings(self._threads, counts.tolist())
+        self._engine = _core.Renderer(known, merged, settings)
+        self._sizes: NDArray[np.int64] = counts
+
+    @property
+    def world(self) -> World:
+        """What there is to see."""
+        return self._world
+
+    @property
+    def sizes(self) -> NDArray[np.int64]:
+        """(E,), ommatidia of each eye."""
+        sizes: NDArray[np.int64] = self._sizes.copy()
+        return sizes
+
+    @property
+    def eye(self) -> Eye:
+        """All of them, one eye behind the other."""
+        return self._engine.eye
+
+    @checked
+    def render(
+        self,
+        poses: ArrayLike,
+        *,
+        standard_error: bool = False,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> list[Responses] | tuple[list[Responses], list[Responses]]:
+        """Responses of each eye, (P, N, C) of its N ommatidia, all of them parts of one array.
+
+        Args:
+            poses: ``world_from_head`` (4, 4), m, of all; (E, 4, 4), of each; or (P, E, 4, 4), P of
+                each.
+            standard_error: also the standard errors, in the same form.
+            first_pose: as of `Renderer.render`.
+            progress: called with the finished share (0 to 1); what it raises ends the work.
+
+        Raises:
+            omma.Error: poses of another shape, or as `Renderer.render`.
+        """
+        heads = self._poses(poses)
+        count = len(heads)
+        flat = np.ascontiguousarray(heads.reshape(-1, 4, 4))
+        size = (count, len(self.eye), self._engine.bands)
+        responses = np.empty(size, np.float32)
+        errors = np.empty(size, np.float32) if standard_error else None
+        first = frame_number(first_pose)
+        self._engine.render(flat, responses, errors, None, None, first, None, False, None, progress)
+        warn_of_poses(self._engine, flat)
+        ends = np.cumsum(self._sizes)[:-1]
+        found = np.split(responses, ends, axis=1)
+        return found if errors is None else (found, np.split(errors, ends, axis=1))
+
+    def _poses(self, poses: ArrayLike) -> NDArray[np.float64]:
+        """(P, E, 4, 4)."""
+        given, eyes = array_of(poses, "poses"), len(self._sizes)
+        if given.shape == (4, 4):
+            given = np.broadcast_to(given, (eyes, 4, 4))
+        if given.ndim == 3:
+            given = given[None]
+        if given.ndim != 4 or given.shape[1:] != (eyes, 4, 4):
+            raise Error(
+                f"poses: expected shape (4, 4), ({eyes}, 4, 4) or (P, {eyes}, 4, 4), found "
+                f"{np.shape(poses)}"
+            )
+        return given
+
+    def __repr__(self) -> str:
+        return (
+            f"<omma.Population {len(self._sizes):,} eyes of {len(self.eye):,} ommatidia, "
+            f"{self._settings.sampling}, {self._engine.backend}>"
+        )
+
+
+def _merged(eyes: Eye | Sequence[Eye], sizes: ArrayLike | None) -> tuple[Eye, NDArray[np.int64]]:
+    if isinstance(eyes, Eye):
+        if sizes is None:
+            raise Error("sizes: expected how many ommatidia each eye has, beside one eye for all")
+        counts = array_of(sizes, "sizes", (None,), np.int64)
+        if len(counts) == 0 or (counts < 1).any() or counts.sum() != len(eyes):
+            raise Error(
+                f"sizes: expected numbers above 0 of {len(eyes):,} ommatidia in all, found "
+                f"{counts.sum():,}"
+            )
+        return eyes, counts
+    if sizes is not None:
+        raise Error("sizes: only with one eye that has the ommatidia of all")
+    if not isinstance(eyes, (list, tuple)):
+        raise TypeError(f"eyes: expected omma.Eye or a list of them, found {type(eyes).__name__}")
+    if not eyes:
+        raise Error("eyes: expected one or more, found none")
+    for e, eye in enumerate(eyes):
+        expect(eye, Eye, f"eyes[{e}]", "omma.load_eye gives one")
+        if eye.receptor_types != eyes[0].receptor_types:
+            raise Error(f"eyes[{e}]: expected the receptor types of eyes[0], found others")
+    return _core.merge_eyes(eyes), np.array([len(eye) for eye in eyes])

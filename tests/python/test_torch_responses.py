@@ -1,0 +1,96 @@
+"""Responses as functions of PyTorch's tensors, whose gradients are those of `Renderer.vjp`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import omma
+
+torch = pytest.importorskip("torch")
+
+POSES = omma.poses_from_angles(np.zeros((2, 3)), [(0, 0, 0), (25, 10, 0)])
+
+
+def renderer_of(samples=64):
+    eye = omma.eye.generate_eye(30)
+    return omma.Renderer(omma.load_scene(omma.examples.meadow()), eye, omma.Fixed(samples))
+
+
+def test_gradients_are_those_of_vjp():
+    renderer = renderer_of()
+    width = torch.tensor(renderer.eye.acceptance_angle_rad.astype(float), requires_grad=True)
+    axis = torch.tensor(2.0 * renderer.eye.axis.astype(float), requires_grad=True)
+    turn = torch.zeros((2, 3), dtype=torch.float64, requires_grad=True)
+    found = omma.rendering.torch_responses(
+        renderer, POSES, acceptance_angle_rad=width, axis=axis, rotation_rad=turn
+    )
+    weights = torch.tensor(np.random.default_rng(1).normal(size=(2, 30, 3)))
+    (found * weights).sum().backward()
+    responses, gradient = renderer.vjp(POSES, weights.numpy())
+    assert found.detach().numpy() == pytest.approx(responses, rel=1e-4, abs=1e-4)
+    assert width.grad.numpy() == pytest.approx(gradient["acceptance_angle_rad"], rel=1e-3, abs=1e-2)
+    assert axis.grad.numpy() == pytest.approx(gradient["axis"] / 2, rel=1e-3, abs=1e-2)
+    assert turn.grad.numpy() == pytest.approx(gradient["rotation_rad"], rel=1e-3, abs=1e-2)
+
+
+def test_a_turn_of_a_turned_head():
+    """By the chain rule of rotation vectors, against differences of the matrices themselves."""
+    from scipy.spatial.transform import Rotation
+
+    from omma.rendering.torch_responses import _turn_per_vector
+
+    vectors = np.random.default_rng(1).normal(size=(5, 3))
+    vectors[0] = 0
+    found = _turn_per_vector(vectors)
+    for k in range(3):
+        step = 1e-6 * np.eye(3)[k]
+        more, less = (Rotation.from_rotvec(vectors + sign * step) for sign in (1, -1))
+        expected = (more * less.inv()).as_rotvec() / 2e-6
+        assert found[:, :, k] == pytest.approx(expected, abs=1e-8)
+
+
+def test_only_what_asks_for_gradients_has_them():
+    renderer = renderer_of(16)
+    width = torch.full((30,), 0.05, dtype=torch.float32, requires_grad=True)
+    axis = torch.tensor(renderer.eye.axis)
+    found = omma.rendering.torch_responses(
+        renderer, POSES[:1], acceptance_angle_rad=width, axis=axis
+    )
+    found.mean().backward()
+    assert axis.grad is None
+    assert width.grad.dtype == torch.float32
+    assert np.isfinite(width.grad.numpy()).all()
+
+
+def test_an_eye_finds_back_how_it_was_turned():
+    """Gradient descent on the difference between two frames finds the turn between them."""
+    renderer = renderer_of(256)
+    true = np.array([[0.0, 0.03, 0.0]])
+    with torch.no_grad():
+        seen = omma.rendering.torch_responses(
+            renderer, POSES[:1], rotation_rad=torch.tensor(true), first_pose=7
+        )
+    turn = torch.zeros((1, 3), dtype=torch.float64, requires_grad=True)
+    optimizer = torch.optim.Adam([turn], lr=0.005)
+    for step in range(40):
+        optimizer.zero_grad()
+        now = omma.rendering.torch_responses(
+            renderer, POSES[:1], rotation_rad=turn, first_pose=100 + step
+        )
+        ((now - seen) ** 2).sum().backward()
+        optimizer.step()
+    assert np.abs(turn.detach().numpy() - true).max() < 0.01
+
+
+def test_what_is_no_tensor_of_an_eye_is_refused():
+    renderer = renderer_of(16)
+    for wrong, message in (
+        ({"axis": torch.zeros((3, 3))}, "axis: expected a tensor of shape"),
+        ({"rotation_rad": np.zeros((2, 3))}, "rotation_rad: expected a tensor"),
+        ({"acceptance_angle_rad": torch.full((30,), -1.0)}, "acceptance"),
+    ):
+        with pytest.raises(omma.Error, match=message):
+            omma.rendering.torch_responses(renderer, POSES, **wrong)
+    with pytest.raises(omma.Error, match="rotation_rad"):
+        omma.rendering.torch_responses(renderer, torch.tensor(POSES, requires_grad=True))
