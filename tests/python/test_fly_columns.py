@@ -142,10 +142,14 @@ def test_kinds_of_ommatidia(columns):
     # Of 42 and 41 columns with R7d or R8d in MaleCNS, 31 and 40 have an axis in the map.
     assert Counter(columns.side[kinds == "dorsal rim"].tolist()) == {1: 31, -1: 40}
     assert elevation[kinds == "dorsal rim"].min() > 10
-    assert np.isin((neighbour_table(columns)[kinds == "dorsal rim"] < 0).sum(axis=1), (0, 1, 2, 3)).all()
+    assert np.isin(
+        (neighbour_table(columns)[kinds == "dorsal rim"] < 0).sum(axis=1), (0, 1, 2, 3)
+    ).all()
     drawn = kinds != "dorsal rim"
     # Three binomial standard deviations of 1625 draws.
-    assert (kinds[drawn] == "pale").mean() == pytest.approx(0.3, abs=3 * (0.21 / drawn.sum()) ** 0.5)
+    assert (kinds[drawn] == "pale").mean() == pytest.approx(
+        0.3, abs=3 * (0.21 / drawn.sum()) ** 0.5
+    )
     assert elevation[kinds == "yellow, dorsal"].min() > 0
     names = [t.name for t in fly.eye.receptor_types]
     inner = {
@@ -204,7 +208,10 @@ def test_files_of_the_archive_are_read(columns, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda head, rows: rows[1].__setitem__(5, "40.0"), "line 3: expected theta and phi of the"),
+        (
+            lambda head, rows: rows[1].__setitem__(5, "40.0"),
+            "line 3: expected theta and phi of the",
+        ),
         (lambda head, rows: rows[1].__setitem__(7, 5), "line 3: expected hex1 = q . 18 and hex2"),
         (lambda head, rows: head.__setitem__(5, "elevation"), "expected the columns p, q, x, y, z"),
         (lambda head, rows: rows[1].__setitem__(0, "1.5"), "line 3, p: expected a whole number"),

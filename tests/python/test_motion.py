@@ -340,5 +340,5 @@ def test_what_are_no_gratings():
         omma.motion.grating_response(1, [0.1, 0], 1, 0.1, TAU_S)
     with pytest.raises(omma.Error, match="tau_s: expected a number above 0"):
         omma.motion.best_frequency_hz(0)
-    with pytest.raises(omma.Error, match="rows: expected one of v, p, -q, -v, -p, q, found 'h'"):
+    with pytest.raises(omma.Error, match="rows: expected one of v, q, -p, -v, -q, p, found 'h'"):
         omma.motion.neighbour_pairs(omma.eye.generate_eye(100), ["h"])

@@ -118,7 +118,11 @@ def public_calls(folder):
         "azimuth_deg,elevation_deg,dphi_h_deg\n0,0,5\n1,0,5\n0,1,5\n1,1,5\n"
     )
     (folder / "columns.csv").write_text("side,p,q,x,y,z\nright,0,0,0,0,-1\nright,1,0,0,0.1,-1\n")
+    (folder / "types.csv").write_text("column,column_type\nME_R_col_18_19,pale\n")
+    (folder / "map.csv").write_text("p,q,x,y,z,theta,phi\n0,0,1,0,0,90,0\n")
     columns = omma.columns.hexal_columns(1, 0.1, (0, 0, -1))
+    kinds = omma.columns.columns_of_eye(omma.species.drosophila().eye)[1][:7]
+    few_columns = omma.species.drosophila().eye.take(kinds)
     scene = omma.load_scene(scene_file)
     renderer = omma.Renderer(scene, eye, omma.Fixed(1), threads=1)
     pose = np.eye(4)
@@ -293,6 +297,20 @@ def public_calls(folder):
         "load_acceptance": (folder / "s.csv",),
         "load_angle_table": (folder / "angles.csv",),
         "load_eye": (folder / "bug.eye",),
+        "ColumnRenderer": (scene, few_columns, columns),
+        "ColumnRenderer.render": (pose,),
+        "cartridge_wiring": (columns,),
+        "find_columns": (columns, [("right", 0, 0)]),
+        "flywire_names": (columns,),
+        "flyvis_movie": {"light": np.zeros((2, len(columns))), "columns": columns, "radius": 1},
+        "load_column_types": (folder / "types.csv",),
+        "load_eye_map": (folder / "map.csv",),
+        "malecns_names": (columns,),
+        "measured_drosophila": (),
+        "photoreceptor_table": {
+            "world": scene, "poses": pose, "fly": few_columns, "columns": columns,
+            "sampling": omma.Fixed(1),
+        },
         "column_pairs": (columns,),
         "columns_of_eye": (large,),
         "eye_of_columns": (columns, 0.1),

@@ -74,6 +74,10 @@ assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
 assert f"{math.degrees(fly.width_rad()):.1f}" == "2.2"
 assert len(omma.load_eye("head.csv")) == len(head)
 """,
+    "docs/fly-columns.md": """
+assert table.r1_6.shape == (1, 1696) and movie.shape == (1, 3, 1, 721)
+assert data.sizes["column"] == 1696
+""",
     "docs/learning.md": """
 assert batch["response"].shape == (16, 200, 3) and batch["yaw_deg"].shape == (16,)
 assert (out == responses).all() and out.any()

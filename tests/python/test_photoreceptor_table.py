@@ -163,6 +163,22 @@ def test_another_fly_by_columns_of_its_own():
     assert np.ptp(table.r1_6[0, there]) < 1e-6
 
 
+def test_columns_without_a_cartridge_have_no_r1_6(fly, columns):
+    """Two neighbours, of which some receptor sees for the other, and two far from each other."""
+    two = omma.columns.find_columns(columns, [("right", 5, 5), ("right", 6, 5)])
+    table = omma.columns.photoreceptor_table(
+        plain_sky(), np.eye(4), fly=fly.take(two), columns=columns.chosen(two)
+    )
+    members = omma.columns.cartridge_wiring(columns.chosen(two))[0].members
+    assert (np.isnan(table.r1_6[0]) == (members == 0)).all()
+    far = omma.columns.find_columns(columns, [("right", 5, 5), ("right", 5, -9)])
+    table = omma.columns.photoreceptor_table(
+        plain_sky(), np.eye(4), fly=fly.take(far), columns=columns.chosen(far)
+    )
+    assert np.isnan(table.r1_6).all()
+    assert (table.r8 > 0).all()
+
+
 def test_columns_without_facets_are_refused(fly, columns):
     with pytest.raises(omma.Error, match="columns: expected one for each of 1696 ommatidia, found"):
         omma.columns.ColumnRenderer(plain_sky(), fly, columns.chosen(np.arange(10)))
@@ -179,9 +195,7 @@ def test_hexals_of_the_measured_fly_in_flyvis_order(columns):
     # A number for each column that says which it is.
     told = 100.0 * right.p + right.q
     movie = omma.columns.to_hexals(told[:, None], right, fill=np.nan)[0, 0, 0]
-    order = [
-        (u, v) for u in range(-15, 16) for v in range(max(-15, -15 - u), min(15, 15 - u) + 1)
-    ]
+    order = [(u, v) for u in range(-15, 16) for v in range(max(-15, -15 - u), min(15, 15 - u) + 1)]
     known = dict(zip(zip(right.p.tolist(), right.q.tolist()), told))
     for (u, v), found in zip(order, movie.tolist()):
         p, q = omma.columns.pq_from_uv([u], [v])
@@ -209,7 +223,8 @@ def test_movies_for_flyvis_are_grey_levels(columns):
     light = np.linspace(0, 2, 3 * len(right)).reshape(3, -1)
     movie = omma.columns.flyvis_movie(light, right, fill=0.5, white=2)
     assert movie.shape == (1, 3, 1, 721)
-    assert movie.dtype == np.float32 and movie.flags.c_contiguous
+    assert movie.dtype == np.float32
+    assert movie.flags.c_contiguous
     p, q = omma.columns.pq_from_uv(*omma.columns.hexals(15).T)
     row = {key: k for k, key in enumerate(zip(right.p.tolist(), right.q.tolist()))}
     for hexal, key in enumerate(zip(p.tolist(), q.tolist())):

@@ -75,6 +75,10 @@ def examples(files, tmp_path_factory):
     scene = omma.load_scene(files / "scene.gltf")
     eye = make_eye(40)
     renderer = omma.Renderer(scene, eye, omma.ToError(0.1))
+    seven_columns, seven = omma.columns.columns_of_eye(omma.species.drosophila().eye)
+    seven_columns, seven = (
+        seven_columns.chosen(np.arange(7)), omma.species.drosophila().eye.take(seven[:7])
+    )  # fmt: skip
     kind = omma.receptors.OmmatidiumType("pale", tuple(all_round_eye().receptor_types), 0.4)
     old = folder / "old.eye"
     np.savetxt(old, np.c_[eye.position_m * 1e3, eye.axis, np.full(40, 0.1)], fmt="%.9g")
@@ -109,6 +113,10 @@ def examples(files, tmp_path_factory):
             [0, 1, 3], [4, 5, 6], [1.0, 0.5, 0.5]
         ),
         "columns.Columns": omma.columns.Columns([0, 1], [0, 1], [1, 1], np.eye(3)[:2]),
+        "columns.ColumnRenderer": (
+            columns := omma.columns.ColumnRenderer(scene, seven, seven_columns)
+        ),
+        "columns.PhotoreceptorTable": columns.render(np.eye(4)),
         "gym.Loop": omma.gym.Loop(renderer, begun, begun, begun, None),
         "gym.Moment": omma.gym.Moment(1, 0, 2, np.eye(4), np.ones((3, 2), np.float32), 4),
         "job.AllCamerasReport": (
@@ -229,10 +237,10 @@ def examples(files, tmp_path_factory):
 # Python makes of it.
 BY_IDENTITY = {
     "World", "Renderer", "Error", "gym.Loop", "rendering.PanoramaView",
-    "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe",
+    "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe", "columns.ColumnRenderer",
 }  # fmt: skip
 UNHASHABLE = {
-    "columns.Columns", "datasets.Job", "datasets.Views", "gym.Moment",
+    "columns.Columns", "columns.PhotoreceptorTable", "datasets.Job", "datasets.Views", "gym.Moment",
     "eye.EyeMeasures", "eye.hexagonal.HexagonalCoordinates", "eye.lattice.Lattice",
     "eye.lattice.LatticeCheck", "eye.scans.LensConeEye", "eye.superposition.Wiring",
     "light.Bands", "light.Disc", "light.Light",

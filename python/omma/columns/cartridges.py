@@ -62,4 +62,3 @@ def cartridge_wiring(columns: Columns, equator: int = 0) -> tuple[Wiring, list[s
     names = list(TRAPEZOID)
     wiring = Wiring(first, np.ascontiguousarray(facet_of), np.ones(len(target)))
     return wiring, [names[k] for k in number_of.tolist()]
-

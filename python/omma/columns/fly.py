@@ -68,11 +68,10 @@ def load_eye_map(left: PathLike | None = None, right: PathLike | None = None) ->
         parts.append(columns)
     if not parts:
         raise Error("left, right: expected at least one file, found none")
-    return Columns(
-        *(np.concatenate([getattr(one, name) for one in parts]) for name in ("p", "q", "side")),
-        np.concatenate([one.axis for one in parts]),
-        parts[0].taken_from,
+    p, q, sides, axis = (
+        np.concatenate([getattr(one, name) for one in parts]) for name in ("p", "q", "side", "axis")
     )
+    return Columns(p, q, sides, axis, parts[0].taken_from)
 
 
 @checked

@@ -59,7 +59,7 @@ def flywire_names(columns: Columns) -> list[tuple[str, int, int]]:
 
     Example:
         >>> omma.columns.flywire_names(omma.columns.fly_columns())[-1]
-        ('right', 15, 18)
+        ('right', 14, 18)
     """
     expect_columns(columns)
     rows = zip(columns.side.tolist(), columns.p.tolist(), columns.q.tolist(), strict=True)
@@ -67,9 +67,7 @@ def flywire_names(columns: Columns) -> list[tuple[str, int, int]]:
 
 
 @checked
-def find_columns(
-    columns: Columns, names: Sequence[str] | Sequence[tuple[str, int, int]]
-) -> Ints:
+def find_columns(columns: Columns, names: Sequence[str] | Sequence[tuple[str, int, int]]) -> Ints:
     """Where columns of these names are among ``columns``: (K,) indices, in the order of the names.
 
     Args:

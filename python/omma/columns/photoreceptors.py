@@ -116,14 +116,15 @@ class ColumnRenderer:
         >>> white = omma.Scene(background=omma.Background.constant((1, 1, 1)))
         >>> renderer = omma.columns.ColumnRenderer(white, sampling=omma.Fixed(1))
         >>> table = renderer.render(np.eye(4))
-        >>> bool(abs(table.r8[0, table.kind.index("yellow")] - 1) < 0.01)
-        True
+        >>> table.r7.shape
+        (1, 1696)
 
     Raises:
         omma.Error: an eye without these receptors, not a column for each ommatidium, what
             `omma.Renderer` raises.
     """
 
+    @checked
     def __init__(
         self,
         world: World | Scene,
@@ -140,8 +141,7 @@ class ColumnRenderer:
         expect_columns(self.columns)
         if len(eye) != len(self.columns):
             raise Error(
-                f"columns: expected one for each of {len(eye)} ommatidia, found "
-                f"{len(self.columns)}"
+                f"columns: expected one for each of {len(eye)} ommatidia, found {len(self.columns)}"
             )
         self.kind = tuple(eye.columns.get(COLUMN, [""] * len(eye)))
         self.wiring, _ = cartridge_wiring(self.columns, equator)
@@ -150,6 +150,10 @@ class ColumnRenderer:
         self._pooled = Wiring(self.wiring.first, index, self.wiring.weight)
         self.renderer = Renderer(world, _with_cartridges(eye, self.wiring), sampling, **options)
 
+    def __repr__(self) -> str:
+        return f"ColumnRenderer({len(self.columns)} columns, {self.renderer!r:.150})"
+
+    @checked
     def render(
         self, poses: ArrayLike, *, ultraviolet: ArrayLike | None = None, **moves: Any
     ) -> PhotoreceptorTable:
@@ -198,7 +202,8 @@ def photoreceptor_table(
     Example:
         >>> sky = omma.Background.constant((0.2, 0.4, 0.8))
         >>> table = omma.columns.photoreceptor_table(
-        ...     omma.Scene(background=sky), np.eye(4), ultraviolet="as_blue", sampling=omma.Fixed(1))
+        ...     omma.Scene(background=sky), np.eye(4), sampling=omma.Fixed(1)
+        ... )
         >>> table.of(["ME_R_col_18_19", ("left", 0, 0)]).r1_6.shape
         (1, 2)
 

@@ -7,6 +7,7 @@ rhabdom. Either way there is a wiring: which responses are pooled into which.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -105,7 +106,8 @@ def pool(responses: ArrayLike, wiring: Wiring, *, axis: int = -1) -> NDArray[np.
     )
     total = np.asarray(matrix.sum(axis=1)).reshape(-1, 1)
     with np.errstate(invalid="ignore"):
-        means = (matrix @ given.reshape(len(given), -1).astype(np.float64)) / total
+        rows = given.reshape(len(given), math.prod(given.shape[1:]))  # -1 of nothing is undefined
+        means = (matrix @ rows.astype(np.float64)) / total
     shaped = means.reshape(len(wiring), *given.shape[1:]).astype(np.float32)
     return np.moveaxis(shaped, 0, axis)
 

@@ -49,7 +49,7 @@ class EyeMap:
 @cache
 def eye_map() -> EyeMap:
     """The table of measured axes, the left eye first."""
-    text = files("omma.species").joinpath("data", "drosophila_columns.csv").read_text("utf-8")
+    text = files("omma.species").joinpath("data/drosophila_columns.csv").read_text("utf-8")
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     x, y, z = (np.array([float(row[way]) for row in rows]) for way in "xyz")
     axis = np.stack([-y, z, -x], axis=1)  # x points ahead, y to the left, z up
@@ -74,7 +74,8 @@ def measured_drosophila(
     Axes: micro-CT of a female's head, both eyes (Zhao et al. 2025, Nature,
     doi:10.1038/s41586-025-09276-5), laid on the medulla columns of MaleCNS by its authors
     (github.com/artxz/eyemap-archive, CC BY-SA 4.0). The eye's column "medulla_column" has their
-    names, as "ME_R_col_18_19"; some 46 columns at the rim of each lobe have no axis there.
+    names, as "ME_R_col_18_19"; of 892 and 880 columns 46 at the rim of the right lobe and 30 of the
+    left one have no axis there.
 
     Receptors of each: R1-6, what the six see that meet in its cartridge, along the axis; R7 and R8,
     whose kind is in the eye's column "ommatidium_type". Dorsal rim (R7d, R8d, both with Rh3): the
@@ -103,8 +104,12 @@ def measured_drosophila(
     """
     table = eye_map()
     names = medulla_names(table.hex1, table.hex2, table.side)
-    kinds = _kinds(table, names, column_types or {}, within(pale_fraction, "pale_fraction", 0, 1),
-                   whole(seed, "seed", 0, (1 << 64) - 1))  # fmt: skip
+    given = {} if column_types is None else column_types
+    if not isinstance(given, Mapping):
+        found = type(given).__name__
+        raise TypeError(f"column_types: expected types by name of column, found {found}")
+    share = within(pale_fraction, "pale_fraction", 0, 1)
+    kinds = _kinds(table, names, given, share, whole(seed, "seed", 0, (1 << 64) - 1))
     types = _receptor_types()
     index = {one.name: k for k, one in enumerate(types)}
     inner = {
