@@ -160,6 +160,8 @@ def examples(files, tmp_path_factory):
         "motion.Track": omma.motion.Track(np.array([(0, 0), (0, -1)])).at_speed(0.1, step_s=1),
         "receptors.OmmatidiumType": kind,
         "receptors.ReceptorType": all_round_eye().receptor_types[0],
+        "Population": omma.Population(renderer.world, [eye, eye]),
+        "rendering.Jacobian": omma.Renderer(renderer.world, eye, omma.Fixed(8)).jacobian(pose),
         "rendering.CubeFaces": omma.rendering.CubeFaces(8),
         "rendering.Equirectangular": omma.rendering.Equirectangular(9, 18),
         "rendering.Fisheye": omma.rendering.Fisheye(16, 16, 170, "equisolid"),
@@ -238,6 +240,7 @@ def examples(files, tmp_path_factory):
 BY_IDENTITY = {
     "World", "Renderer", "Error", "gym.Loop", "rendering.PanoramaView",
     "photoreceptors.FrameFilter", "photoreceptors.VanHaterenSnippe", "columns.ColumnRenderer",
+    "Population",
 }  # fmt: skip
 UNHASHABLE = {
     "columns.Columns", "columns.PhotoreceptorTable", "datasets.Job", "datasets.Views", "gym.Moment",
@@ -247,7 +250,7 @@ UNHASHABLE = {
     "receptors.BandError", "stimuli.Target",
     "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
     "motion.GroundAt", "motion.Track", "photoreceptors.EventSensor", "photoreceptors.EventState",
-    "rendering.GroundTruth",
+    "rendering.GroundTruth", "rendering.Jacobian",
     "rendering.UltravioletDependence",
     "rendering.SamplingReport", "study.MinimumSamples", "study.SpeedTest",
     "scene.CaptureCameras", "scene.NaturalMaterial", "scene.PointCloud", "view.Seen",

@@ -196,6 +196,21 @@ class Call:
         warn_of_poses(self.renderer._engine, self.poses)
 
 
+def render_eyes(
+    engine: _core.Renderer,
+    poses: Matrices,
+    frames: Frames,
+    first_frame: int | None,
+    progress: Progress | None,
+) -> None:
+    """Have the engine of a population fill frames (P, N, C), at poses (P x E, 4, 4)."""
+    engine.render(
+        poses, frames.responses, frames.standard_error, None, None, first_frame, None, False, None,
+        progress,
+    )  # fmt: skip
+    warn_of_poses(engine, poses)
+
+
 def _for_engine(target: Target) -> Responses | _core.CardSpan:
     return target.span if isinstance(target, OnCard) else target
 

@@ -28,6 +28,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
+from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared, Responses, poses_of
 from omma.rendering.settings import Fixed, fixed_samples
 
@@ -43,7 +44,8 @@ _MOST_BYTES = 1 << 28
 _FOUR_LN2 = 4 * np.log(2)
 
 
-@dataclass(frozen=True)
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Jacobian:
     """Responses at P poses, and their derivatives.
 

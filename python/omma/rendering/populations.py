@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,8 +12,7 @@ from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, expect
 from omma.base.progress import Progress
-from omma.rendering.call import Responses
-from omma.rendering.pose_warnings import warn_of_poses
+from omma.rendering.call import Frames, Responses, render_eyes
 from omma.rendering.settings import (
     Fixed,
     Options,
@@ -49,6 +48,8 @@ class Population:
         >>> population = omma.Population(omma.World(omma.scene.box()), eyes, omma.Fixed(8))
         >>> [one.shape for one in population.render(np.eye(4))]
         [(1, 20, 3), (1, 30, 3)]
+
+    Pickled, it is its world, its eyes and its settings, as a renderer is.
 
     Raises:
         omma.Error: no eyes, eyes of different receptors, sizes that are not those of the
@@ -143,9 +144,8 @@ class Population:
         size = (count, len(self.eye), self._engine.bands)
         responses = np.empty(size, np.float32)
         errors = np.empty(size, np.float32) if standard_error else None
-        first = frame_number(first_pose)
-        self._engine.render(flat, responses, errors, None, None, first, None, False, None, progress)
-        warn_of_poses(self._engine, flat)
+        frames = Frames(responses, errors)
+        render_eyes(self._engine, flat, frames, frame_number(first_pose), progress)
         ends = np.cumsum(self._sizes)[:-1]
         found = np.split(responses, ends, axis=1)
         return found if errors is None else (found, np.split(errors, ends, axis=1))
@@ -164,11 +164,22 @@ class Population:
             )
         return given
 
+    def __reduce__(self) -> tuple[Callable[..., Population], tuple[Any, ...]]:
+        return _again, (self._world, self.eye, self._sizes, self._settings, self._threads)
+
     def __repr__(self) -> str:
         return (
             f"<omma.Population {len(self._sizes):,} eyes of {len(self.eye):,} ommatidia, "
             f"{self._settings.sampling}, {self._engine.backend}>"
         )
+
+
+def _again(
+    world: World, eye: Eye, sizes: NDArray[np.int64], settings: Settings, threads: int
+) -> Population:
+    return Population(
+        world, eye, settings.sampling, sizes=sizes, threads=threads, **settings.options()
+    )
 
 
 def _merged(eyes: Eye | Sequence[Eye], sizes: ArrayLike | None) -> tuple[Eye, NDArray[np.int64]]:
