@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, SplatCloud
 from omma.base.mesh_parts import far_middle, is_single
@@ -137,7 +137,7 @@ class SplatColumns:
         *,
         color_space: str = "srgb",
         direction: str = "center",
-        white: tuple[float, float, float] = (1, 1, 1),
+        white: ArrayLike = (1, 1, 1),
     ) -> SplatCloud:
         """What there is, where a file's own coordinates are placed by a matrix (4, 4).
 
