@@ -224,9 +224,9 @@ def draw_looming(path, three):
             turn = np.linspace(0, 2 * np.pi, 200)
             panel.plot(edge * np.cos(turn), edge * np.sin(turn), color="#d55e00", lw=1)
             panel.set(aspect="equal", xlim=(-0.85, 0.85), ylim=(-0.85, 0.85), xticks=[], yticks=[])
-            if row is panels[0]:
-                panel.set_title(f"disc of {size:g}°")
         row[0].set_ylabel(name)
+    for panel, size in zip(panels[0], SHOWN_DEG):
+        panel.set_title(f"disc of {size:g}°")
     figure.savefig(path, dpi=100)
 
 
