@@ -160,6 +160,7 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
 
 # Omma's own types that `checked` knows, and what messages call them.
 _OWN = {
+    "Mapping": "a dictionary",
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
     "Bake": "omma.scene.Bake",

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, one_of
+from omma.base.arguments import array_of, checked, expect, one_of
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
@@ -69,6 +69,7 @@ class Jacobian:
         Raises:
             omma.Error: a parameter that this has no derivatives by, another shape.
         """
+        expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
         poses, ommatidia, channels = self.responses.shape
         change = np.zeros((poses, ommatidia, channels))
         for name, tangent in tangents.items():
@@ -184,6 +185,7 @@ def jvp(
         tangents: by parameter, by how much it changes.
         options: ``first_pose`` and ``progress``.
     """
+    expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
     found = jacobian(self, poses, by=tuple(tangents), **options)
     return found.responses, found.jvp(tangents)
 

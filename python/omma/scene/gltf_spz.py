@@ -8,7 +8,7 @@ takes the place of the marks.
 
 The draft asks for a turn of half a circle about y when packing and unpacking ("LUF"); the programs
 that read such files take the numbers as they stand, which is done here: cesium-native
-(CesiumGltfReader, decodeSpz.cpp) and spz-loader, UNSPECIFIED.
+(CesiumGltfReader, its decoder of SPZ) and spz-loader, UNSPECIFIED.
 """
 
 from __future__ import annotations
