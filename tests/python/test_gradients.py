@@ -179,6 +179,20 @@ def test_products_with_vectors_are_those_of_the_jacobian():
         assert np.array_equal(alone.responses[0], responses[p])
 
 
+def test_pieces_make_the_whole(monkeypatch):
+    """Some ommatidia and some poses at a time, as where rays would fill the memory."""
+    eye = omma.eye.generate_eye(30)
+    renderer = omma.Renderer(omma.load_scene(omma.examples.meadow()), eye, omma.Fixed(32))
+    poses = np.tile(renderer.scene.camera("bee").world_from_camera, (3, 1, 1))
+    whole = renderer.jacobian(poses)
+    monkeypatch.setattr("omma.rendering.gradients._MOST_BYTES", 1 << 15)
+    pieces = renderer.jacobian(poses)
+    assert np.array_equal(pieces.responses, whole.responses)
+    for name, value in whole.values.items():
+        assert pieces.values[name] == pytest.approx(value, rel=1e-9, abs=1e-9)
+        assert pieces.errors[name] == pytest.approx(whole.errors[name], rel=1e-9, abs=1e-9)
+
+
 def test_responses_are_those_of_a_render():
     eye = omma.eye.generate_eye(30)
     renderer = omma.Renderer(omma.load_scene(omma.examples.meadow()), eye, omma.Fixed(1024))
@@ -229,6 +243,13 @@ def test_what_has_no_derivatives_is_refused():
     found = renderer.jacobian(AHEAD, by="axis")
     with pytest.raises(omma.Error, match="expected one of axis"):
         found.jvp({"rotation_rad": (0, 0, 1)})
+    for tangent, message in (
+        (np.zeros((3, 3)), r"axis: expected shape \(10, 3\) or \(3,\), found \(3, 3\)"),
+        (np.full((10, 3), np.nan), "axis: expected finite numbers"),
+    ):
+        with pytest.raises(omma.Error, match=message):
+            found.jvp({"axis": tangent})
+    assert renderer.jacobian(np.zeros((0, 4, 4))).values["axis"].shape == (0, 10, 3, 3)
     with pytest.raises(omma.Error, match="finite"):
         found.vjp(np.full((1, 10, 3), np.nan))
     with pytest.raises(omma.Error, match="cotangent"):

@@ -17,7 +17,7 @@ vector s that points from a to the ray, and Z(w) = ∫ exp(−4 ln 2 ϑ²/w²) s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -67,7 +67,8 @@ class Jacobian:
         ``acceptance_angle_rad``; (N, 3) for ``axis``; (P, 3) or (3,), rad, for ``rotation_rad``.
 
         Raises:
-            omma.Error: a parameter that this has no derivatives by, another shape.
+            omma.Error: a parameter that this has no derivatives by, another shape, numbers that
+                are not finite.
         """
         expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
         poses, ommatidia, channels = self.responses.shape
@@ -75,12 +76,12 @@ class Jacobian:
         for name, tangent in tangents.items():
             value = self._value(name)
             if name == "acceptance_angle_rad":
-                by = np.broadcast_to(array_of(tangent, name), (ommatidia,))
-                change += value * by[:, None]
+                change += value * _tangent(tangent, name, (ommatidia,))[:, None]
             elif name == "axis":
-                change += np.einsum("pnci,ni->pnc", value, array_of(tangent, name, (ommatidia, 3)))
+                by = _tangent(tangent, name, (ommatidia, 3))
+                change += np.einsum("pnci,ni->pnc", value, by)
             else:
-                by = np.broadcast_to(array_of(tangent, name), (poses, 3))
+                by = _tangent(tangent, name, (poses, 3))
                 change += np.einsum("pnci,pi->pnc", value, by)
         return change
 
@@ -108,6 +109,16 @@ class Jacobian:
         return self.values[name]
 
 
+def _tangent(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    """An array of that shape, or what stands for all of its rows."""
+    given = array_of(value, name)
+    if given.shape not in (shape, shape[1:]):
+        raise Error(f"{name}: expected shape {shape} or {shape[1:]}, found {given.shape}")
+    if not np.isfinite(given).all():
+        raise Error(f"{name}: expected finite numbers")
+    return np.broadcast_to(given, shape)
+
+
 @checked
 @method_of("omma.rendering.renderer", "Renderer")
 def jacobian(
@@ -120,8 +131,9 @@ def jacobian(
 ) -> Jacobian:
     """Responses and their derivatives by the eye's widths and axes and by the head's rotation.
 
-    As many rays as of the renderer's ``Fixed`` are taken, in eight independent estimates, at least
-    one in each; the same numbers for the same ``first_pose``, whatever the noise of the renderer.
+    As many rays as of the renderer's ``Fixed`` are taken, but for what is left over an eighth, in
+    eight independent estimates, at least one in each; the same numbers for the same ``first_pose``,
+    whatever the noise of the renderer.
     The world is one that is not lit, and has any edges. What textures lose by the footprints of
     rays is taken as it is: it does not count as a change with the width.
 
@@ -153,23 +165,22 @@ def jacobian(
     matrices = poses_of(self, poses)
     of_each = max(1, samples // _ESTIMATES)
     seen_by = self.with_eye(self.eye, Fixed(of_each), noise="new_every_frame")
-    rays = _ESTIMATES * of_each * len(self.eye)
-    at_once = max(1, _MOST_BYTES // (8 * rays * (10 + self.bands)))
-    pieces: list[tuple[Floats, dict[Parameter, tuple[Floats, Floats]]]] = []
-    for start in range(0, len(matrices), at_once):
-        piece = matrices[start : start + at_once]
-        share = (start / len(matrices), (start + len(piece)) / len(matrices))
-        first = _ESTIMATES * (first_pose + start)
-        pieces.append(_weigh(seen_by, piece, first, names, share_of(progress, *share)))
-    found = {
-        name: [np.concatenate([piece[1][name][k] for piece in pieces]) for k in (0, 1)]
-        for name in names
-    }
-    return Jacobian(
-        np.concatenate([piece[0] for piece in pieces]).astype(np.float32),
-        {name: both[0] for name, both in found.items()},
-        {name: both[1] for name, both in found.items()},
+    size = (len(matrices), len(self.eye), self.bands)
+    shapes = {name: size if name == "acceptance_angle_rad" else (*size, 3) for name in names}
+    found = Jacobian(
+        np.empty(size, np.float32),
+        {name: np.empty(shape) for name, shape in shapes.items()},
+        {name: np.empty(shape) for name, shape in shapes.items()},
     )
+    rays = _ESTIMATES * of_each * len(self.eye)
+    at_once = max(1, _MOST_BYTES // (4 * rays * (3 + self.bands)))
+    for start in range(0, len(matrices), at_once):
+        some = slice(start, min(start + at_once, len(matrices)))
+        first = _ESTIMATES * (first_pose + start)
+        part = share_of(progress, start / len(matrices), some.stop / len(matrices))
+        light, directions = _trace(seen_by, matrices[some], first, part)
+        _weigh(self.eye, matrices[some], light, directions, found, some)
+    return found
 
 
 @checked
@@ -237,49 +248,71 @@ def _expect_differentiable(renderer: Prepared) -> None:
         )
 
 
-def _weigh(
-    renderer: Prepared,
-    poses: Floats,
-    first_frame: int,
-    names: Sequence[Parameter],
-    progress: Progress | None,
-) -> tuple[Floats, dict[Parameter, tuple[Floats, Floats]]]:
-    """Responses, and by parameter values and errors."""
+def _trace(
+    renderer: Prepared, poses: Floats, first_frame: int, progress: Progress | None
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Radiance (P, estimate, N, sample, C) of rays, and where they look, (P, estimate, N, sample,
+    3)."""
     repeated = np.ascontiguousarray(np.repeat(poses, _ESTIMATES, axis=0))
     call = Call.of(renderer, repeated, {}, first_frame, progress)
-    samples = fixed_samples(renderer.settings.sampling, "a Jacobian")
-    radiance = np.empty((*call.size, samples, renderer.bands), np.float32)
+    rays = (*call.size, fixed_samples(renderer.settings.sampling, "a Jacobian"))
+    radiance = np.empty((*rays, renderer.bands), np.float32)
     call.render(call.new_frames(), ray_radiance=radiance)
-    directions = np.empty((*call.size, samples, 3), np.float32)
+    directions = np.empty((*rays, 3), np.float32)
     renderer._engine.ray_directions(repeated, first_frame, directions)
+    shape = (len(poses), _ESTIMATES, *rays[1:])
+    return radiance.reshape(*shape, renderer.bands), directions.reshape(*shape, 3)
 
-    estimates = (len(poses), _ESTIMATES, len(renderer.eye))
-    light = radiance.reshape(*estimates, samples, -1)
-    each = light.mean(axis=3, dtype=np.float64)  # (P, estimate, N, C)
-    others = (each.sum(axis=1, keepdims=True) - each) / (_ESTIMATES - 1)
-    above = light - others[:, :, :, None, :]
-    scores = _scores(renderer.eye, poses, directions.reshape(*estimates, samples, 3), names)
-    found: dict[Parameter, tuple[Floats, Floats]] = {}
-    for name, score in scores.items():
-        estimate = np.einsum("pensc,pens...->penc...", above, score, optimize=True) / samples
-        spread = estimate.std(axis=1, ddof=1) / np.sqrt(_ESTIMATES)
-        found[name] = estimate.mean(axis=1), spread
-    return each.mean(axis=1), found
+
+def _weigh(
+    eye: Eye,
+    poses: Floats,
+    light: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    found: Jacobian,
+    rows: slice,
+) -> None:
+    """Fill those poses of a Jacobian, some ommatidia at a time."""
+    samples, bands = light.shape[3:]
+    of_each = 8 * len(poses) * _ESTIMATES * samples * (20 + bands)
+    at_once = max(1, _MOST_BYTES // of_each)
+    for start in range(0, len(eye), at_once):
+        some = np.arange(start, min(start + at_once, len(eye)))
+        seen = light[:, :, some]
+        each = seen.mean(axis=3, dtype=np.float64)  # (P, estimate, N, C)
+        others = (each.sum(axis=1, keepdims=True) - each) / (_ESTIMATES - 1)
+        above = seen - others[:, :, :, None, :]
+        found.responses[rows, some] = each.mean(axis=1)
+        looking = eye.axis[some], eye.acceptance_angle_rad[some]
+        for name, score in _scores(looking, poses, directions[:, :, some], found.values).items():
+            estimate = np.einsum("pensc,pens...->penc...", above, score, optimize=True) / samples
+            found.values[name][rows, some] = estimate.mean(axis=1)
+            spread = estimate.std(axis=1, ddof=1) / np.sqrt(_ESTIMATES)
+            found.errors[name][rows, some] = spread
 
 
 def _scores(
-    eye: Eye, poses: Floats, directions: NDArray[np.float32], names: Sequence[Parameter]
+    looking: tuple[NDArray[np.float32], NDArray[np.float32]],
+    poses: Floats,
+    directions: NDArray[np.float32],
+    names: Collection[Parameter],
 ) -> dict[Parameter, Floats]:
-    """∂ ln p / ∂θ of rays (P, estimate, N, sample, 3), for each parameter."""
+    """∂ ln p / ∂θ of rays (P, estimate, N, sample, 3), for each parameter.
+
+    Args:
+        looking: axes (N, 3) in the head's frame, and acceptance angles (N,), rad.
+        poses: (P, 4, 4).
+    """
+    axes, angles = looking
     turns = poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)
-    axis = np.einsum("pij,nj->pni", turns, eye.axis.astype(np.float64))
+    axis = np.einsum("pij,nj->pni", turns, axes.astype(np.float64))
     axis /= np.linalg.norm(axis, axis=2, keepdims=True)
     axis = axis[:, None, :, None, :]
     along = np.sum(directions * axis, axis=-1, keepdims=True)
     across = directions - along * axis
     sine = np.linalg.norm(across, axis=-1)
     angle = np.arctan2(sine, along[..., 0])
-    width = eye.acceptance_angle_rad.astype(np.float64)[:, None]
+    width = angles.astype(np.float64)[:, None]
     scores: dict[Parameter, Floats] = {}
     if "acceptance_angle_rad" in names:
         normal = _log_integral_slope(width[:, 0])[:, None]
