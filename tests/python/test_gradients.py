@@ -223,14 +223,29 @@ def test_rays_look_where_they_say(tmp_path):
         assert directions[..., 1] == pytest.approx(rays[..., 0] - 1, abs=1e-3)
 
 
+def test_eyes_of_animals():
+    """Their round Gaussians are told as acceptances."""
+    eye = omma.species.drosophila().eye.take(np.arange(40))
+    renderer = omma.Renderer(omma.scene.box(), eye, omma.Fixed(64))
+    found = renderer.jacobian(AHEAD)
+    plain = eye.replace(acceptance_angle_rad=eye.acceptance_angle_rad)
+    same = renderer.with_eye(plain).jacobian(AHEAD)
+    for name, value in found.values.items():
+        assert value == pytest.approx(same.values[name], rel=1e-4, abs=1e-4)
+
+
 def test_what_has_no_derivatives_is_refused():
     eye = omma.eye.generate_eye(10)
+    long = omma.Acceptance.gaussian(0.1, 0.05)
+    lens = omma.Acceptance.airy(20e-6, 500)
     scene = omma.scene.box()
     for renderer, message in (
         (omma.Renderer(scene, eye, omma.ToError(0.1)), "Fixed"),
         (omma.Renderer(scene, eye, omma.Shared(4)), "Fixed"),
         (omma.Renderer(scene, eye, angular_sensitivity="pillbox"), "pillbox"),
         (omma.Renderer(scene, eye.replace(acceptance_angle_rad=0.0)), "10 ommatidia are none"),
+        (omma.Renderer(scene, eye.replace(acceptance=long)), "10 ommatidia are none"),
+        (omma.Renderer(scene, eye.replace(acceptance=[None, lens, *[None] * 8])), "the first 1"),
     ):
         with pytest.raises(omma.Error, match=message):
             renderer.jacobian(AHEAD)

@@ -239,13 +239,23 @@ def _expect_differentiable(renderer: Prepared) -> None:
             "angular_sensitivity: expected Gaussians, whose density has derivatives everywhere, "
             f"found {settings.angular_sensitivity}"
         )
-    round_ones = eye.acceptance_of < 0 if own else np.ones(len(eye), bool)
+    round_ones = _are_round_gaussians(eye) if own else np.ones(len(eye), bool)
     wrong = np.flatnonzero(~(round_ones & (eye.acceptance_angle_rad > 0)))
     if len(wrong):
         raise Error(
             f"eye: expected round Gaussians of a width above 0; {len(wrong):,} ommatidia are none, "
             f"the first {wrong[0]}"
         )
+
+
+def _are_round_gaussians(eye: Eye) -> NDArray[np.bool_]:
+    """(N,): of their own angular sensitivities."""
+    is_round = [
+        one.kernel == "gaussian" and one.minor_width_rad in (0, one.width_parameter_rad)
+        for one in eye.acceptances
+    ]
+    found: NDArray[np.bool_] = np.array([*is_round, True])[eye.acceptance_of]  # the last: none
+    return found
 
 
 def _trace(
