@@ -7,6 +7,7 @@ import json
 import os
 import struct
 import tempfile
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ import omma
 from omma.job.info import describe_file
 from omma.scene import load_splats
 from omma.scene.files import read_scene
+from omma.scene.gltf_text import names_splats
 
 BASE = "KHR_gaussian_splatting"
 NESTED = f"{BASE}_compression_spz_2"
@@ -391,3 +393,22 @@ def test_a_job_of_them(tmp_path):
     omma.datasets.run(job, tmp_path / "out.zarr")
     views = omma.datasets.open_views(tmp_path / "out.zarr", ["source_distance"])
     assert np.isfinite(views[[0, 1]]["source_distance"]).any()
+
+
+def test_a_large_file_is_not_read_to_see_what_it_names(tmp_path):
+    """Of a text with its buffers in it no more is in memory than it takes to look through it."""
+    path = tmp_path / "large.gltf"
+    path.write_text('{"asset":{"version":"2.0"},"extras":"' + "A" * 50_000_000 + '"}')
+    tracemalloc.start()
+    try:
+        found = names_splats(str(path))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert not found
+    assert peak < 1_000_000
+    path.write_text('{"extensionsUsed":["KHR_gaussian_splatting"]}')
+    assert names_splats(str(path))
+    for odd in (b"", b"glTF", b"glTF" + bytes(16), b"glTF" + 16 * b"\xff"):
+        path.write_bytes(odd)
+        assert not names_splats(str(path))

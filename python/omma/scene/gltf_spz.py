@@ -32,7 +32,7 @@ from omma import _core
 from omma._core import Error, Scene, SplatCloud
 from omma.base.files import reading_told
 from omma.base.progress import Progress, share_of
-from omma.scene.gltf_text import gltf_text
+from omma.scene.gltf_text import gltf_names, gltf_places
 from omma.scene.joining import warnings_of_file
 from omma.scene.splat_columns import SplatColumns
 from omma.scene.splat_spz import unpack_spz
@@ -74,14 +74,16 @@ def load_spz_gltf(
     Raises:
         omma.Error: it cannot be read.
     """
-    text, begin, length = gltf_text(path)
-    if not any(name.encode() in text for name in _NAMES):
+    if not gltf_names(path, _NAMES):
         return None
+    places = gltf_places(path)
     try:
-        document = json.loads(text)
-    except (ValueError, RecursionError):
-        return None  # the engine says where it is malformed
-    file = _GltfFile(path, document, begin, length)
+        with open(path, "rb") as source:
+            source.seek(places.text)
+            document = json.loads(source.read(places.text_size))
+    except (OSError, ValueError, RecursionError):
+        return None  # the engine says where it is malformed, or gone
+    file = _GltfFile(path, document, places.binary, places.binary_size)
     with reading_told(path, "Gaussian splats", share_of(progress, 0, _UNPACKED)) as tell:
         packed = _marked(file, tell)
     try:

@@ -2,39 +2,67 @@
 
 from __future__ import annotations
 
+import mmap
 import os
+from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
 _GLTF = (".gltf", ".glb")
 # What files with Gaussian splats name, in whatever draft: the extension, or SPZ alone.
-_OF_SPLATS = (b"KHR_gaussian_splatting", b"KHR_spz_gaussian_splats_compression")
+_OF_SPLATS = ("KHR_gaussian_splatting", "KHR_spz_gaussian_splats_compression")
 
 
-def gltf_text(path: str) -> tuple[bytes, int, int]:
-    """The JSON text of a `.gltf` or `.glb` file, and where the binary chunk of the latter begins
-    and how long it is, 0 and 0 where there is none.
+class GltfPlaces(NamedTuple):
+    """Where the parts of a glTF file are, in bytes; sizes are 0 of what there is none."""
 
-    What is no such file, or cut off, has no text: the reader of scenes says what is wrong with it.
-    """
+    text: int
+    text_size: int
+    binary: int
+    binary_size: int
+
+
+def gltf_places(path: str) -> GltfPlaces:
+    """Of a `.gltf` or `.glb` file. What is no such file, or cut off, has no text: the reader of
+    scenes says what is wrong with it."""
+    nothing = GltfPlaces(0, 0, 0, 0)
     if Path(path).suffix.lower() not in _GLTF or not os.path.isfile(path):
-        return b"", 0, 0
+        return nothing
     try:
         with open(path, "rb") as file:
+            whole = os.fstat(file.fileno()).st_size
             head = file.read(20)
             if head[:4] != b"glTF":
-                return head + file.read(), 0, 0
+                return GltfPlaces(0, whole, 0, 0)
             size = int.from_bytes(head[12:16], "little")
-            text, chunk = file.read(size), file.read(8)
-            if len(text) < size or head[16:20] != b"JSON":
-                return b"", 0, 0
-            is_binary = chunk[4:] == b"BIN\0"
-            length = int.from_bytes(chunk[:4], "little") if is_binary else 0
-            return text, 20 + size + 8 if is_binary else 0, length
+            if head[16:20] != b"JSON" or 20 + size > whole:
+                return nothing
+            file.seek(20 + size)
+            chunk = file.read(8)
     except OSError:
-        return b"", 0, 0
+        return nothing
+    if chunk[4:] != b"BIN\0":
+        return GltfPlaces(20, size, 0, 0)
+    return GltfPlaces(20, size, 20 + size + 8, int.from_bytes(chunk[:4], "little"))
+
+
+def gltf_names(path: str, names: Iterable[str]) -> bool:
+    """Whether the JSON of a glTF file has any of these names, without reading it into memory: a
+    text with its buffers in it may be as large as that is."""
+    places = gltf_places(path)
+    if places.text_size == 0:
+        return False
+    try:
+        with (
+            open(path, "rb") as file,
+            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as mapped,
+        ):
+            end = places.text + places.text_size
+            return any(mapped.find(name.encode(), places.text, end) >= 0 for name in names)
+    except (OSError, ValueError):  # gone, or cut meanwhile
+        return False
 
 
 def names_splats(path: str) -> bool:
     """Whether a glTF file may hold Gaussian splats."""
-    text, _, _ = gltf_text(path)
-    return any(name in text for name in _OF_SPLATS)
+    return gltf_names(path, _OF_SPLATS)
