@@ -61,6 +61,9 @@ def test_only_what_asks_for_gradients_has_them():
     assert axis.grad is None
     assert width.grad.dtype == torch.float32
     assert np.isfinite(width.grad.numpy()).all()
+    plain = omma.rendering.torch_responses(renderer, POSES[:1])
+    assert plain.dtype == torch.float64
+    assert not plain.requires_grad
 
 
 def test_an_eye_finds_back_how_it_was_turned():

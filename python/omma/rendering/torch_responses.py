@@ -90,13 +90,19 @@ def _function_of(
             ]
             found = _jacobian_at(renderer, poses, values, asked, first_pose)
             context.found, context.values = found, values
+            context.places = {
+                name: (tensor.device, tensor.dtype)
+                for name, tensor in zip(names, tensors, strict=True)
+            }
             return torch.from_numpy(found.responses.astype(np.float64))
 
         @staticmethod
         def backward(context: Any, cotangent: Any) -> tuple[Any, ...]:
             gradients = context.found.vjp(cotangent.detach().cpu().numpy())
             return tuple(
-                torch.from_numpy(_by_value(name, gradients[name], context.values[name]))
+                torch.from_numpy(_by_value(name, gradients[name], context.values[name])).to(
+                    *context.places[name]
+                )
                 if name in gradients
                 else None
                 for name in names
