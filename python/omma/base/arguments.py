@@ -116,7 +116,8 @@ def expect(value: object, kind: type, name: str, hint: str) -> None:
     """TypeError where ``value`` is no ``kind``; ``hint`` says where to get one."""
     if not isinstance(value, kind):
         found = type(value).__name__
-        full_name = _OWN.get(kind.__name__, f"omma.{kind.__name__}")
+        known = "a dictionary" if kind is Mapping else _OWN.get(kind.__name__)
+        full_name = known or f"omma.{kind.__name__}"
         raise TypeError(f"{name}: expected {full_name}, found {found} ({hint})")
 
 
@@ -160,7 +161,6 @@ def arrays_of(**values: Any) -> list[NDArray[np.float64]]:
 
 # Omma's own types that `checked` knows, and what messages call them.
 _OWN = {
-    "Mapping": "a dictionary",
     "AcuteZone": "omma.eye.AcuteZone",
     "Background": "omma.Background",
     "Bake": "omma.scene.Bake",
