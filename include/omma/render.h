@@ -212,11 +212,10 @@ class Renderer {
   ~Renderer();
 
   // Responses [pose, ommatidium, band], linear float32, for poses `world_from_head`, which of a
-  // population are [pose, eye]. Safe to
-  // call from several threads. The same inputs and seed give the same bits whatever the number of
-  // threads. Throws omma::Error on an output of the wrong size, a pose that is not invertible or
-  // starts rays over 1e18 m from the scene, and while things are being moved in the world;
-  // omma::Cancelled when the progress callback says so.
+  // population are [pose, eye]. Safe to call from several threads. The same inputs and seed give
+  // the same bits whatever the number of threads. Throws omma::Error on an output of the wrong size,
+  // a pose that is not invertible or starts rays over 1e18 m from the scene, and while things are
+  // being moved in the world; omma::Cancelled when the progress callback says so.
   void render(std::span<const Mat4> world_from_head, std::span<float> responses,
               const RenderCall& call = {}) const;
 

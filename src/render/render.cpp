@@ -89,8 +89,10 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
 }
 
 // Whether the sizes of a population's eyes are those of its ommatidia, and it can be rendered.
-static void check_population(const Eye& eye, const RenderSettings& settings) {
+static void check_population(const World& world, const Eye& eye, const RenderSettings& settings) {
   if (settings.eye_sizes.empty()) return;
+  if (!world.cards().empty())
+    throw Error("eye_sizes: expected a processor's backend for a population, found a card's");
   std::int64_t sum = 0;
   for (const std::int32_t size : settings.eye_sizes) {
     if (size < 1)
@@ -105,6 +107,18 @@ static void check_population(const Eye& eye, const RenderSettings& settings) {
     throw Error("sampling: expected Fixed for the eyes of a population");
   if (!settings.delays_s.empty())
     throw Error("delays_s: expected frames that do not last for the eyes of a population");
+}
+
+static std::vector<EyeSpan> spans_of_eyes(std::size_t ommatidia,
+                                          const std::vector<std::int32_t>& eye_sizes) {
+  if (eye_sizes.empty()) return {{0, ommatidia, 0}};
+  std::vector<EyeSpan> eyes;
+  std::size_t first = 0;
+  for (const std::int32_t size : eye_sizes) {
+    eyes.push_back({first, static_cast<std::size_t>(size), eyes.size()});
+    first += static_cast<std::size_t>(size);
+  }
+  return eyes;
 }
 
 // Of all ommatidia, as find_acceptances has it of some.
@@ -123,7 +137,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
       settings(std::move(its_settings)),
       threads(settings.threads) {
   check_sharing(eye, settings);
-  check_population(eye, settings);
+  check_population(world, eye, settings);
   if (shares_rays(settings.sampling) && world.state().view.polarized)
     throw Error(
         "sampling: Shared, not in a polarised world: a ray that several ommatidia share has no one "
@@ -141,6 +155,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
       directions.push_back(make_direction_tables(eye, settings, samples, &directions.front()));
     eye_arrays = make_eye_arrays(eye, directions.front(), settings.eye_sizes);
     eye_view = omma::view(eye_arrays);
+    eyes = spans_of_eyes(eye.size(), settings.eye_sizes);
     for (const DirectionTables& tables : directions) direction_views.push_back(omma::view(tables));
     least_acceptance_sr = least_acceptance(eye_view, direction_views.front(), eye.size());
     if (target != nullptr) nearest = nearest_in_blocks(eye_arrays, most_per_block);

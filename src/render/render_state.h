@@ -29,6 +29,12 @@ struct SharedSet {
   EyeView eye_view;
 };
 
+// Ommatidia of an eye, one behind the other.
+struct EyeSpan {
+  std::size_t first, count;
+  std::size_t eye;  // of a population
+};
+
 struct Renderer::State {
   World world;
   Eye eye;
@@ -40,6 +46,7 @@ struct Renderer::State {
   EyeArrays eye_arrays;
   std::vector<DirectionsView> direction_views;  // [round]
   EyeView eye_view;
+  std::vector<EyeSpan> eyes;          // of a population, or the one that there is
   float least_acceptance_sr = 0;      // of the eye's; find_acceptances
   std::vector<std::uint8_t> nearest;  // nearest_in_blocks, where there is an error to reach
 
@@ -57,12 +64,6 @@ struct Renderer::State {
   std::uint64_t frame_of(std::size_t pose, std::uint64_t first) const {
     return settings.noise == Noise::frozen ? 0 : first + pose;
   }
-};
-
-// Ommatidia of an eye, one behind the other.
-struct EyeSpan {
-  std::size_t first, count;
-  std::size_t eye;  // of a population
 };
 
 // One frame's tracing as tasks of neighbouring ommatidia.

@@ -87,29 +87,11 @@ Blocks cut_into_blocks(const Renderer::State& s, const RenderCall& call, const O
   return blocks;
 }
 
-// The eyes of a population, or the one that there is.
-std::vector<EyeSpan> eyes_of(const Renderer::State& s) {
-  if (s.settings.eye_sizes.empty()) return {{0, s.eye.size(), 0}};
-  std::vector<EyeSpan> eyes;
-  std::size_t first = 0;
-  for (const std::int32_t size : s.settings.eye_sizes) {
-    eyes.push_back({first, static_cast<std::size_t>(size), eyes.size()});
-    first += static_cast<std::size_t>(size);
-  }
-  return eyes;
-}
-
 std::size_t count_poses(std::size_t given, std::size_t eyes) {
   if (given % eyes != 0)
     throw Error("poses: expected one for each of " + std::to_string(eyes) + " eyes, found " +
                 std::to_string(given));
   return given / eyes;
-}
-
-void check_population_call(const Renderer::State& s, const Truth& truth) {
-  if (!truth.tasks.empty()) throw Error("eye_sizes: no ground truth of the eyes of a population");
-  if (!s.world.cards().empty())
-    throw Error("eye_sizes: expected a processor's backend for a population, found a card's");
 }
 
 std::vector<EyeSpan> cut_by_eyes(const std::vector<EyeSpan>& eyes, int per_block) {
@@ -125,7 +107,7 @@ std::vector<EyeSpan> cut_by_eyes(const std::vector<EyeSpan>& eyes, int per_block
 
 void render_still(const Renderer::State& s, std::span<const Mat4> world_from_head,
                   std::span<float> responses, const RenderCall& call, const TimePart& part) {
-  const std::vector<EyeSpan> eyes = eyes_of(s);
+  const std::vector<EyeSpan>& eyes = s.eyes;
   const std::size_t ommatidia = s.eye.size();
   const std::size_t poses = count_poses(world_from_head.size(), eyes.size());
   const Outputs outputs = make_outputs(call, *s.view());
@@ -168,7 +150,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   if (to_error == nullptr) std::fill(call.rays.begin(), call.rays.end(), rays_each);
 
   if (!s.settings.eye_sizes.empty()) {
-    check_population_call(s, truth);
+    if (!truth.tasks.empty()) throw Error("eye_sizes: no ground truth of the eyes of a population");
     blocks.of_eyes = cut_by_eyes(eyes, blocks.per_block);
   }
   const std::size_t blocks_per_pose = blocks.count();

@@ -46,7 +46,7 @@ struct SplatChannels {
 // one place.
 template <typename L>
 struct SplatColors {
-  static constexpr int size = L::count > 1 ? 64 : 1;
+  static constexpr int size = L::width > 1 ? 64 : 1;
   bool one_origin;
   int channels;
   std::int32_t index[size];

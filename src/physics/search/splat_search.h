@@ -39,10 +39,11 @@ struct SplatTree {
 // Where the rays of a packet have come, and the next splats of each lane in order, [lane].
 template <typename L>
 struct SplatBuffer {
-  static constexpr int capacity = L::count > 1 ? 64 : 16;  // a thread of a card has a small stack
+  static constexpr int capacity = L::width > 1 ? 64 : 16;  // a thread of a card has a small stack
+  static_assert(capacity % L::width == 0);                 // rows are moved so many at a time
   alignas(L::count * 4) float near_m[L::count];
-  std::int32_t last[L::count];  // index of the splat at near_m that was found last, or behind_all
-  float through_near[L::count];                 // how much light gets through up to there
+  std::int32_t last[L::count];   // index of the splat at near_m that was found last, or behind_all
+  float through_near[L::count];  // how much light gets through up to there
   alignas(L::count * 4) float far_m[L::count];  // how far rays look
   int count[L::count];
   float through[L::count];  // through_near · Π (1 − α) over the splats here
@@ -63,8 +64,8 @@ OMMA_HD int count_before(const SplatBuffer<L>& buffer, int l, const SplatPlace& 
   for (int k = 0; k < buffer.count[l]; k += L::width) {
     const F t = load<F>(buffer.t_m[l] + 1 + k);
     const I index = load<I>(buffer.index[l] + 1 + k);
-    const unsigned bits = lane_bits(t < place.t_m) |
-                          (lane_bits(t == place.t_m) & lane_bits(index < place.index));
+    const unsigned bits =
+        lane_bits(t < place.t_m) | (lane_bits(t == place.t_m) & lane_bits(index < place.index));
     const int left = buffer.count[l] - k;
     before += bits_in(left < L::width ? bits & ((1u << left) - 1u) : bits);
   }
