@@ -505,6 +505,7 @@ def public_calls(folder):
         "plot_responses": (png, eye, rgb),
         "render_like": (kept, csv),
         "species.make": ("melophorus",),
+        "species.assume_rhabdoms": (bee, "honeybee_worker"),
         "species.build": ("honeybee_worker",),
         "species.facts": ("honeybee_worker",),
         "species.facts_text": ("honeybee_worker",),
