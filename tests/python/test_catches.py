@@ -97,7 +97,7 @@ def test_catches_need_photons_and_what_an_eye_knows():
         omma.receptors.photon_catch(eye, answers, light, integration_time_s=0)
     with pytest.raises(omma.Error, match="responses: expected shape"):
         omma.receptors.photon_catch(eye, answers[1:], light, integration_time_s=1)
-    with pytest.raises(omma.Error, match="any receptors. Render with"):
+    with pytest.raises(omma.Error, match=r"lacks .*any receptors"):
         omma.receptors.photon_catch(make_eye(3), answers, light, integration_time_s=1)
     with pytest.raises(omma.Error, match="lacks facet_diameter_m of 6 of 6 ommatidia"):
         omma.receptors.photon_catch(
@@ -254,7 +254,7 @@ def test_animals_that_do_not_have_a_number_give_none():
         omma.species.drosophila(assume="calliphora")
     with pytest.raises(omma.Error, match="assume: expected an animal with receptors"):
         omma.species.holcocephala(assume="holcocephala")
-    with pytest.raises(omma.Error, match="expected one of .* found 'honeybee'"):
+    with pytest.raises(omma.Error, match=r"expected one of .* found 'honeybee'"):
         omma.species.drosophila(assume="honeybee")
     with pytest.raises(omma.Error, match="assume: expected one animal or more, found none"):
         omma.species.assume_rhabdoms(bee(), ())

@@ -125,8 +125,8 @@ def _what_lacks(eye: Eye) -> str:
     return (
         f"eye: expected what photons are counted by; {name or 'it'} lacks {'; '.join(lacks)}. "
         f"Render with {way_out}, which takes what lacks from an animal that has it "
-        f"({', '.join(animals)}) and says so; or give ReceptorType the absorption_per_m and length_m "
-        "that you know"
+        f"({', '.join(animals)}) and says so; or give ReceptorType the absorption_per_m and "
+        "length_m that you know"
     )
 
 
