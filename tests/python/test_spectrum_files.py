@@ -82,6 +82,23 @@ def test_ocean_optics(tmp_path, sign):
         load_spectra(path, unit="percent")
 
 
+def test_avantes(tmp_path):
+    """Names and below them units, counts beside what is wanted."""
+    path = written(
+        tmp_path,
+        "petal\nIntegration time: 175 ms\nAverage: 20 scans\n"
+        "Wave   ;Dark     ;Ref      ;Sample   ;Reflectance\n"
+        "[nm]   ;[counts] ;[counts] ;[counts] ;[% reflectance] \n"
+        "300,00;3,4050;6429,1;124,99;5,0000\n700,00;-18,870;6876,0;178,64;72,000\n",
+    )
+    name = "Reflectance [% reflectance]"
+    found = quietly(path, columns=[name])
+    assert found[name] == omma.light.Spectrum([300, 700], [0.05, 0.72])
+    with pytest.raises(omma.Error, match=r"found 68.76 \(of percent\); columns= and range_nm="):
+        load_spectra(path)
+    assert list(load_spectra(path, unit="as_is", columns=["Ref [counts]"])) == ["Ref [counts]"]
+
+
 def test_bytes_that_windows_writes(tmp_path):
     for encoding in ("cp1252", "utf-16"):
         path = written(tmp_path, "wl,Blüte\n300,0.1\n700,0.2\n", encoding=encoding)
@@ -129,6 +146,8 @@ def test_noise_about_0(tmp_path):
     path = written(tmp_path, "wl,a\n300,-0.06\n700,0.5\n")
     with pytest.raises(omma.Error, match=r"petals.csv, line 2: .*at least -0.05.* found -0.06 of"):
         load_spectra(path, unit="fraction")
+    path = written(tmp_path, "wl,a\n300,-0.000\n700,0.5\n")
+    assert not np.signbit(quietly(path, unit="fraction")["a"].value).any()
     path = written(tmp_path, "wl,a\n300,-4\n700,100\n")
     with pytest.warns(UserWarning, match="1 values below 0"):
         load_spectra(path, unit="as_is")

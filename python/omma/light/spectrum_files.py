@@ -33,6 +33,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
 _MISSING = ("", "na", "nan", "n/a", "inf", "-inf", "∞", "-∞")
 _WAVELENGTH = re.compile(r"(wl|wave|wavelengths?|lambda|λ|nm)([^a-z].*)?", re.IGNORECASE)
+_UNIT = re.compile(r"\[.*\]")
 _PERCENT = re.compile(r"%|per ?cent", re.IGNORECASE)
 
 # No reflectance is larger but of gloss, and no per cents of anything but black are smaller.
@@ -65,8 +66,9 @@ def load_spectra(
     first) and one or more of values: comma, semicolon, tab or spaces between them, points or
     commas as decimal signs, with or without a line of names, after any lines of an instrument and
     lines that begin with #. So are CSV, tables of the R package pavo with or without row names, and
-    text files of Ocean Optics (">>>>>Begin Spectral Data<<<<<"). Without names a spectrum is called
-    as the file, or "column 2" and so on. Wavelengths that all descend are turned round.
+    text files of Ocean Optics (">>>>>Begin Spectral Data<<<<<") and Avantes. Without names a
+    spectrum is called as the file, or "column 2" and so on. Wavelengths that all descend are turned
+    round.
 
     Args:
         unit: "percent", divided by 100; "fraction"; "as_is", whatever the numbers are, such as an
@@ -140,7 +142,8 @@ def _read(path: PathLike) -> _Table:
     if first is None:
         raise Error(f"{name}: expected lines of wavelengths and values, found none")
     width = len(parsed[first][1])
-    names = _names(parsed[first - 1][1] if first else [], width, Path(name).stem)
+    above = [row for _, row, _ in parsed[max(first - 2, 0) : first]]
+    names = _names(above, width, Path(name).stem)
     for n, row, found in parsed[first:]:
         if None in found:
             raise _no_number(name, n, row, found)
@@ -204,7 +207,12 @@ def _no_number(name: str, line: int, row: list[str], found: list[float | None]) 
     return Error(f"{name}, line {line}: expected numbers, found {wrong!r:.40}")
 
 
-def _names(header: list[str], width: int, stem: str) -> list[str]:
+def _names(above: list[list[str]], width: int, stem: str) -> list[str]:
+    """What columns are called, by the lines above: names, and below them units in brackets as
+    Avantes writes them."""
+    header = above[-1] if above else []
+    if len(above) == 2 and len(above[0]) == len(header) and all(_UNIT.fullmatch(c) for c in header):
+        header = [f"{one} {unit}" for one, unit in zip(*above)]
     if len(header) == width - 1 and header and _WAVELENGTH.fullmatch(header[0]):
         header = [_ROW_NAMES, *header]
     elif len(header) == width > 2 and header[0] == "" and _WAVELENGTH.fullmatch(header[1]):
@@ -289,8 +297,8 @@ def _divisor(table: _Table, index: list[int], unit: str | None) -> float:
     if unit != "as_is" and largest / divisor > _LEAST_PERCENT:
         raise Error(
             f"{table.path}: expected reflectances of at most {_LEAST_PERCENT:g}, found "
-            f'{largest / divisor:g} (of {unit}); range_nm= leaves out noisy ends, unit="as_is" '
-            "takes other numbers, such as irradiances, as they stand"
+            f"{largest / divisor:g} (of {unit}); columns= and range_nm= leave out what is not "
+            'wanted, unit="as_is" takes other numbers, such as irradiances, as they stand'
         )
     return divisor
 
@@ -331,4 +339,4 @@ def _without_noise(table: _Table, names: list[str], values: Floats, unit: str | 
             "are taken as 0",
             UserWarning,
         )
-    return np.where(below, 0.0, values)
+    return np.where(values > 0, values, 0.0)  # no negative zeros
