@@ -258,6 +258,8 @@ def test_animals_that_do_not_have_a_number_give_none():
         omma.species.drosophila(assume="honeybee")
     with pytest.raises(omma.Error, match="assume: expected one animal or more, found none"):
         omma.species.assume_rhabdoms(bee(), ())
+    with pytest.raises(TypeError, match="assume: expected the name of an animal, or several, foun"):
+        omma.species.drosophila(assume=3)
 
 
 def test_eyes_of_ones_own_take_rhabdoms():

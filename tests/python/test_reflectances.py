@@ -145,7 +145,9 @@ def test_ultraviolet_that_was_not_measured_is_asked_for(first):
     short = Spectrum([first, 700], [0.3, 0.5])
     scene = omma.scene.with_reflectance(ground(Material("petal")), "petal", short)
     light = omma.light.uniform_sky(1e17)
-    with pytest.raises(omma.Error, match=r'ultraviolet: expected what surfaces reflect.*"petal"'):
+    with pytest.raises(
+        omma.Error, match=r'ultraviolet: .* a spectrum that does not rea.*: "petal"'
+    ):
         omma.World(scene, light=light)
     visible = omma.light.uniform_sky(1e17, bands=omma.light.Bands.equal(12, 400, 700))
     omma.World(scene, light=visible)

@@ -61,6 +61,9 @@ def assume_rhabdoms(eye: Eye, assume: str | Sequence[str]) -> Eye:
 
 
 def _donors(assume: Assume) -> tuple[str, ...]:
+    if assume is not None and not isinstance(assume, (str, Sequence)):
+        found = type(assume).__name__
+        raise TypeError(f"assume: expected the name of an animal, or several, found {found}")
     names = () if assume is None else (assume,) if isinstance(assume, str) else tuple(assume)
     return tuple(one_of(name, LATIN, "assume") for name in names)
 
