@@ -97,9 +97,9 @@ def test_catches_need_photons_and_what_an_eye_knows():
         omma.receptors.photon_catch(eye, answers, light, integration_time_s=0)
     with pytest.raises(omma.Error, match="responses: expected shape"):
         omma.receptors.photon_catch(eye, answers[1:], light, integration_time_s=1)
-    with pytest.raises(omma.Error, match="eye: expected one with receptors"):
+    with pytest.raises(omma.Error, match=r"lacks .*any receptors"):
         omma.receptors.photon_catch(make_eye(3), answers, light, integration_time_s=1)
-    with pytest.raises(omma.Error, match="for facet_diameter_m of 6 of 6 ommatidia"):
+    with pytest.raises(omma.Error, match="lacks facet_diameter_m of 6 of 6 ommatidia"):
         omma.receptors.photon_catch(
             eye.replace(facet_diameter_m=np.zeros(len(eye))), answers, light, integration_time_s=1
         )
@@ -187,27 +187,165 @@ def test_solid_angles_of_widths_and_of_receptors_own():
         omma.receptors.receptor_solid_angle_sr(eye, field="warrant")
 
 
-def test_whose_catches_are_not_known_is_told_with_whose_are():
-    drone = omma.species.honeybee_drone().eye
-    with pytest.raises(omma.Error) as error:
-        omma.receptors.photon_catch(
-            drone, np.ones(len(drone.receptor_type)), omma.light.uniform_sky(),
-            integration_time_s=1,
-        )  # fmt: skip
-    said = str(error.value)
-    assert "absorption_per_m of the receptors ultraviolet, blue, green" in said
-    assert "length_m of the receptors ultraviolet, blue, green" in said
-    assert "facet_diameter_m" not in said
+def even_light(eye, light):
+    """What each receptor answers to light that is the same everywhere."""
+    matrix = omma.receptors.receptor_matrix(eye, bands=light.bands)
+    return (matrix @ light.radiance((0, 1, 0))[0])[eye.receptor_type]
+
+
+# Of which animal what is taken; Holcocephala has no receptors, so that it gets a blowfly's.
+DONORS = {"holcocephala": ("calliphora", "honeybee_worker")}
+
+
+@pytest.mark.parametrize("name", omma.species.names())
+def test_photons_of_every_animal(name):
+    """(π/4) D² Ω t L ∫ (1 - exp(-k a l)) dλ of light that is the same everywhere."""
+    animal = omma.species.make(name, assume=DONORS.get(name, "honeybee_worker"))
+    eye, light = animal.eye, omma.light.uniform_sky(1e17)
+    caught = omma.receptors.photon_catch(
+        eye, even_light(eye, light), light, integration_time_s=0.01
+    )
+    assert caught.shape == (len(eye.receptor_type),)
+    own = omma.species.make(name).eye.receptor_types
+    lengths = {one.length_m for one in own if one.length_m} or {
+        {"holcocephala": 250e-6}.get(name, 320e-6)
+    }
+    diameter = eye.facet_diameter_m[omma.receptors.ommatidium_of_receptor(eye)].astype(float)
+    per_nm = np.pi / 4 * diameter**2 * omma.receptors.receptor_solid_angle_sr(eye) * 0.01 * 1e17
+    peaks = np.array([one.peak_wavelength_nm for one in eye.receptor_types])[eye.receptor_type]
+    for peak in np.unique(peaks):
+        absorbance = omma.receptors.govardovskii(peak, RANGE_NM[::100])
+        (length,) = lengths
+        width = np.trapezoid(-np.expm1(-6700 * length * absorbance), RANGE_NM[::100])
+        # Steps of 0.1 nm here and of 0.25 nm there, of spectra tens of nm wide.
+        np.testing.assert_allclose(caught[peaks == peak], width * per_nm[peaks == peak], rtol=1e-5)
+
+
+def test_what_is_taken_from_another_animal_is_said():
+    plain = omma.species.bumblebee()
+    taken = omma.species.bumblebee(assume="honeybee_worker")
+    assert plain.assumed == ()
+    assert taken.assumed == (
+        "rhabdom length 320 µm, as of honeybee_worker (measured)",
+        "absorption 0.0067 /µm, as of honeybee_worker (assumed)",
+    )
+    assert "assumed from honeybee_worker" in repr(taken)
+    assert taken.assumed[0] in taken._repr_html_()
+    # All else is kept, also what an animal has itself.
+    assert np.array_equal(plain.eye.axis, taken.eye.axis)
+    assert plain.eye.receptor_types[0].length_m == 0
+    fly = omma.species.calliphora(assume="honeybee_worker")
+    assert {one.length_m for one in fly.eye.receptor_types} == {250e-6}
+    for before, after in zip(omma.species.calliphora().eye.receptor_types, fly.eye.receptor_types):
+        for field in ("name", "peak_wavelength_nm", "right_rad", "up_rad", "length_m"):
+            assert getattr(before, field) == getattr(after, field)
+    robber = omma.species.holcocephala(assume=("calliphora", "honeybee_worker"))
+    assert [t.peak_wavelength_nm for t in robber.eye.receptor_types] == [490, 350, 440, 520]
+    assert robber.assumed[0].startswith("one receptor of each pigment of calliphora (490, 350,")
+    bee = omma.species.honeybee_worker(assume="bumblebee")
+    assert bee.assumed == ()  # it lacks nothing that photons are counted by
+    assert bee.eye.receptor_types == omma.species.honeybee_worker().eye.receptor_types
+
+
+def test_animals_that_do_not_have_a_number_give_none():
+    with pytest.raises(
+        omma.Error, match=r"whose absorption is known \(honeybee_worker\), found cal"
+    ):
+        omma.species.drosophila(assume="calliphora")
+    with pytest.raises(omma.Error, match="assume: expected an animal with receptors"):
+        omma.species.holcocephala(assume="holcocephala")
+    with pytest.raises(omma.Error, match=r"expected one of .* found 'honeybee'"):
+        omma.species.drosophila(assume="honeybee")
+    with pytest.raises(omma.Error, match="assume: expected one animal or more, found none"):
+        omma.species.assume_rhabdoms(bee(), ())
+    with pytest.raises(TypeError, match="assume: expected the name of an animal, or several, foun"):
+        omma.species.drosophila(assume=3)
+
+
+def test_eyes_of_ones_own_take_rhabdoms():
+    eye = make_eye(3).replace(
+        receptor_types=[
+            ReceptorType("a", peak_wavelength_nm=400, microvillus_angle_rad=0.3, length_m=1e-4),
+            ReceptorType("b", wavelength_nm=[400, 500, 600], sensitivity=[0, 1, 0]),
+        ],
+        receptors=[[0, 1]] * 3,
+        facet_diameter_m=[2e-5, 0, 0],
+    )
+    with pytest.warns(UserWarning, match="rhabdom length of b 320 µm, as of honeybee_worker"):
+        whole = omma.species.assume_rhabdoms(eye, "honeybee_worker")
+    first, second = whole.receptor_types
+    assert (first.length_m, first.microvillus_angle_rad) == (1e-4, 0.3)
+    assert (second.length_m, list(second.sensitivity)) == (pytest.approx(320e-6), [0, 1, 0])
+    assert {one.absorption_per_m for one in whole.receptor_types} == {6700}
+    median = np.median(omma.species.honeybee_worker().eye.facet_diameter_m)
+    np.testing.assert_array_equal(whole.facet_diameter_m, np.float32([2e-5, median, median]))
+    light = omma.light.uniform_sky(1e17)
+    omma.receptors.photon_catch(whole, even_light(whole, light), light, integration_time_s=0.01)
+
+
+def test_what_lacks_is_told_with_whose_it_is_and_the_way_out():
+    drone, light = omma.species.honeybee_drone().eye, omma.light.uniform_sky()
+
+    def said(eye, responses=1.0):
+        with pytest.raises(omma.Error) as error:
+            omma.receptors.photon_catch(eye, responses, light, integration_time_s=1)
+        return str(error.value)
+
+    # Also where the responses are of another number: what lacks comes first.
+    text = said(drone)
+    assert "honeybee_drone lacks absorption_per_m of the receptors ultraviolet, blue, green" in text
+    assert "length_m of the receptors ultraviolet, blue, green" in text
+    assert "facet_diameter_m" not in text
+    assert "omma.species.honeybee_drone(assume='honeybee_worker').eye" in text
+    assert "honeybee_drone lacks" in said(drone.select(1))
+    assert "holcocephala lacks any receptors" in said(omma.species.holcocephala().eye)
+    few = said(drone.take(np.arange(5)))
+    assert "it lacks" in few
+    assert "omma.species.assume_rhabdoms(eye, 'honeybee_worker')" in few
+    assert "facet_diameter_m of 6 of 6" in said(bee().replace(facet_diameter_m=np.zeros(6)))
+    eye = bee()
+    assert "take responses[..., eye.receptor_type]" in said(eye, np.ones((2, 3)))
+    assert "take those of render_receptors" in said(eye, np.ones((2, 6)))
+    # As computed, so that a number that is added is found.
     animals = omma.species.with_catches()
     assert "honeybee_worker" in animals
-    assert f"these have all of it: {', '.join(animals)}; for another" in said
-    # As computed, so that a number that is added is found.
     for name in omma.species.names():
         eye = omma.species.make(name).eye
         known = bool(eye.receptor_types) and all(
             one.length_m > 0 and one.absorption_per_m > 0 for one in eye.receptor_types
         )
         assert (name in animals) == (known and bool((eye.facet_diameter_m > 0).all()))
+
+
+def test_catches_by_integration_time():
+    animal = omma.species.bumblebee(assume="honeybee_worker")
+    eye, light = animal.eye, omma.light.uniform_sky(1e17)
+    answers = even_light(eye, light)
+    one_second = omma.receptors.photon_catch(eye, answers, light, integration_time_s=1)
+    own = omma.receptors.photon_catch(
+        eye, answers, light, integration_time_s=animal.integration_time_s
+    )
+    # Skorupski and Chittka 2010: green 7.9, blue 9.8, ultraviolet 12.3 ms.
+    times = {"green": 0.0079, "blue": 0.0098, "ultraviolet": 0.0123}
+    expected = np.array([times[one.name] for one in eye.receptor_types])[eye.receptor_type]
+    np.testing.assert_allclose(own, one_second * expected, rtol=1e-12)
+    # The table's number is that of the model's filters, printed to a tenth.
+    blowfly = omma.species.calliphora().integration_time_s
+    width = omma.photoreceptors.published_response("blowfly").full_width_s
+    np.testing.assert_allclose(blowfly, width, atol=0.05e-3)
+    # Of an animal without: of the first that has it, by receptor before for all.
+    worker = omma.species.honeybee_worker(assume=("bumblebee", "calliphora")).integration_time_s
+    assert sorted(set(worker)) == pytest.approx([0.0079, 0.0098, 0.0123])
+    ant = omma.species.melophorus(assume=("honeybee_worker", "calliphora"))
+    np.testing.assert_allclose(ant.integration_time_s, 0.0074)
+    with pytest.raises(
+        omma.Error, match="melophorus: its integration time is not known of the rec"
+    ):
+        omma.species.melophorus().integration_time_s  # noqa: B018
+    with pytest.raises(omma.Error, match="expected one number or 77232, one for each receptor"):
+        omma.receptors.photon_catch(eye, answers, light, integration_time_s=[1, 2])
+    with pytest.raises(omma.Error, match="integration_time_s: expected numbers above 0, found -1"):
+        omma.receptors.photon_catch(eye, answers, light, integration_time_s=-expected / expected)
 
 
 def test_microvilli():

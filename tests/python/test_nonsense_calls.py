@@ -119,6 +119,8 @@ def public_calls(folder):
     )
     (folder / "columns.csv").write_text("side,p,q,x,y,z\nright,0,0,0,0,-1\nright,1,0,0,0.1,-1\n")
     (folder / "types.csv").write_text("column,column_type\nME_R_col_18_19,pale\n")
+    spectra = folder / "spectra.csv"
+    spectra.write_text("wl,a\n300,5\n700,6\n")
     (folder / "map.csv").write_text("p,q,x,y,z,theta,phi\n0,0,1,0,0,90,0\n")
     columns = omma.columns.hexal_columns(1, 0.1, (0, 0, -1))
     kinds = omma.columns.columns_of_eye(omma.species.drosophila().eye)[1][:7]
@@ -223,6 +225,10 @@ def public_calls(folder):
         "from_trimesh": (wedge,),
         "merge_scenes": ([scene],),
         "place_scene": (scene, pose),
+        "with_reflectance": {
+            "scene": scene.replace(materials=[omma.scene.Material("petal")]), "name": "petal",
+            "reflectance": omma.light.Spectrum([300, 700], [0, 1]),
+        },
         "save_scene": (str(folder / "saved.glb"), scene),
         "World": (scene,),
         "Eye": ([[0, 0, 0]], [[0, 0, -1]], 0.1),
@@ -391,6 +397,11 @@ def public_calls(folder):
         "overcast_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "panorama": {"image": np.ones((2, 4, 3), np.float32), "ultraviolet": "dark", "bands": few},
         "panorama_bands": {"radiance": np.ones((2, 4, 4)), "bands": few},
+        "load_spectra": {"path": spectra, "unit": "percent", "columns": ["a"]},
+        "measured_sky": {
+            "irradiance": omma.light.Spectrum([300, 700], [1, 1]), "irradiance_unit": "watts",
+            "bands": few,
+        },
         "photon_catch": {
             "eye": bee.replace(facet_diameter_m=2e-5), "responses": np.ones(len(bee.receptor_type)),
             "light": light, "integration_time_s": 0.01,
@@ -505,6 +516,7 @@ def public_calls(folder):
         "plot_responses": (png, eye, rgb),
         "render_like": (kept, csv),
         "species.make": ("melophorus",),
+        "species.assume_rhabdoms": (bee, "honeybee_worker"),
         "species.build": ("honeybee_worker",),
         "species.facts": ("honeybee_worker",),
         "species.facts_text": ("honeybee_worker",),

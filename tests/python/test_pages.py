@@ -83,6 +83,7 @@ assert batch["response"].shape == (16, 200, 3) and batch["yaw_deg"].shape == (16
 assert (out == responses).all() and out.any()
 """,
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
+    "docs/materials.md": "assert photons.shape == (1, 77_232) and (photons >= 0).all()",
     "docs/motion-detection.md": """
 assert left < 0 < right
 assert np.nanmean(motion[level, 0]) > 0.01
@@ -122,6 +123,16 @@ sampler = "uniform"
 low_m = [-4, 1, -8]
 high_m = [4, 2, 0]
 count = 40
+"""
+
+# Reflectances in per cent, and an irradiance as Ocean Optics writes it, made up.
+PETALS = "wl,white,red\n300,5,3\n400,40,3\n500,70,4\n600,71,50\n700,72,61\n"
+DAYLIGHT = """Date: noon
+>>>>>Begin Spectral Data<<<<<
+250,0\t-0,5
+300,0\t1,0
+500,0\t120,0
+700,0\t110,0
 """
 
 # Pages whose snippets need a package that is not one of all tests.
@@ -232,6 +243,8 @@ def folder(tmp_path):
     omma.save_eye(tmp_path / "bee.csv", receptors)
     around = [omma.look_at((x, 1, 3), (0, 0, 0)) for x in (-1, 0, 1)]
     write_transforms(tmp_path / "transforms.json", around)
+    (tmp_path / "petals.csv").write_text(PETALS)
+    (tmp_path / "daylight.txt").write_text(DAYLIGHT)
     if COMPOUND_RAY.is_dir():
         scenes = COMPOUND_RAY / "scenes"
         (tmp_path / "eyes").symlink_to(scenes / "eyes")

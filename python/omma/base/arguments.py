@@ -186,6 +186,7 @@ _OWN = {
     "Scene": "omma.Scene",
     "SpeedTest": "omma.study.SpeedTest",
     "Species": "omma.species.Species",
+    "Spectrum": "omma.light.Spectrum",
     "Surface": "a surface as of omma.eye.surfaces.ellipsoid",
     "Views": "omma.datasets.Views",
     "Wiring": "omma.eye.superposition.Wiring",

@@ -1,8 +1,10 @@
 from .bands import Bands, band_from_rgb, primary_spectra
 from .lights import Disc, Light
+from .measured import measured_sky
 from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
+from .spectrum_files import load_spectra
 from .sun_position import SunPosition, sun_position
 from .units import photons_from_watts, watts_from_photons
 
@@ -16,6 +18,8 @@ __all__ = [
     "clear_sky",
     "clear_sky_at",
     "lamps",
+    "load_spectra",
+    "measured_sky",
     "moonlit_sky",
     "overcast_sky",
     "panorama",

@@ -252,13 +252,15 @@ class Bands:
         """Means of a spectrum over each band: (B, ...).
 
         Args:
-            spectrum: a function of wavelengths (K,), nm, that gives values (K, ...); or values
-                (N, ...) at ``wavelength_nm`` (N,), linear between.
+            spectrum: a `Spectrum`; a function of wavelengths (K,), nm, that gives values (K, ...);
+                or values (N, ...) at ``wavelength_nm`` (N,), linear between.
 
         Raises:
             omma.Error: values that are not finite, or that do not reach over all bands.
         """
-        if callable(spectrum):
+        if isinstance(spectrum, _core.Spectrum):
+            values = self._at_samples(spectrum.value, spectrum.wavelength_nm)
+        elif callable(spectrum):
             values = array_of(spectrum(self.wavelength_nm), "spectrum")
         elif wavelength_nm is None:
             raise Error("wavelength_nm: expected those of the spectrum, found None")

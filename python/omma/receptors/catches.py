@@ -10,7 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.light.lights import Light
-from omma.receptors.sensitivity import receptor_optical_sensitivity, sensitivity_integral_nm
+from omma.receptors.sensitivity import (
+    of_each_sensitivity,
+    receptor_optical_sensitivity,
+    sensitivity_integral_nm,
+)
 from omma.receptors.solid_angles import Field
 
 Floats = NDArray[np.float64]
@@ -22,7 +26,7 @@ def photon_catch(
     responses: ArrayLike,
     light: Light,
     *,
-    integration_time_s: float,
+    integration_time_s: ArrayLike,
     field: Field = "acceptance",
 ) -> Floats:
     """Photons that each receptor absorbs in a time: (..., R).
@@ -37,9 +41,19 @@ def photon_catch(
         responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
             `receptor_matrix` makes of bands.
         light: what the world was lit by; it must be in photons.
-        integration_time_s: over which a receptor adds up.
+        integration_time_s: over which a receptor adds up: a number, or one for each receptor (R,),
+            as `omma.species.Species.integration_time_s`.
         field: "acceptance": Ω = ∫ S dω, of the acceptance by which responses are rendered. "land":
             Ω = (π/4) Δρ², as in published catches, 0.69 of a Gaussian's.
+
+    Example:
+        >>> bee = omma.species.bumblebee(assume="honeybee_worker")
+        >>> eye, light = bee.eye, omma.light.uniform_sky(1e17)
+        >>> matrix = omma.receptors.receptor_matrix(eye, bands=light.bands)
+        >>> seen = (matrix @ light.radiance((0, 1, 0))[0])[eye.receptor_type]
+        >>> time_s = bee.integration_time_s
+        >>> omma.receptors.photon_catch(eye, seen, light, integration_time_s=time_s).shape
+        (77232,)
 
     Raises:
         omma.Error: light in watts, responses of another number of receptors, an eye without
@@ -48,24 +62,48 @@ def photon_catch(
     """
     if light.unit != "photons":
         raise Error(f"light: expected one in photons, as catches are, found {light.unit}")
-    positive(integration_time_s, "integration_time_s")
-    count = len(eye.receptor_type) if eye.receptor_types else 0
-    if count == 0:
-        raise Error("eye: expected one with receptors, found none")
-    answers = array_of(responses, "responses")
-    if answers.shape[-1:] != (count,):
-        raise Error(f"responses: expected shape (..., {count}), found {answers.shape}")
     # Land's S for light at the pigment's peak has the factor 1 - exp(-kl).
     sensitivity = receptor_optical_sensitivity(eye, monochromatic=True, field=field)
-    if np.any(np.isnan(sensitivity)):
+    if len(sensitivity) == 0 or np.any(np.isnan(sensitivity)):
         raise Error(_what_lacks(eye))
-    per_type = np.array([sensitivity_integral_nm(one) for one in eye.receptor_types])
-    per_response = sensitivity * per_type[eye.receptor_type] * integration_time_s
+    time_s = _times(integration_time_s, len(sensitivity))
+    answers = array_of(responses, "responses")
+    if answers.shape[-1:] != sensitivity.shape:
+        raise Error(_which_responses(eye, answers.shape))
+    per_type = np.array(of_each_sensitivity(eye.receptor_types, sensitivity_integral_nm))
+    per_response = sensitivity * per_type[eye.receptor_type] * time_s
     return np.asarray(answers * per_response)
 
 
+def _times(integration_time_s: ArrayLike, count: int) -> Floats:
+    if np.ndim(integration_time_s) == 0:
+        return np.asarray(positive(integration_time_s, "integration_time_s"))  # type: ignore[arg-type]
+    times = array_of(integration_time_s, "integration_time_s")
+    if times.shape != (count,):
+        raise Error(
+            f"integration_time_s: expected one number or {count}, one for each receptor, found "
+            f"shape {times.shape}"
+        )
+    if not (np.all(np.isfinite(times)) and np.all(times > 0)):
+        raise Error(f"integration_time_s: expected numbers above 0, found {times.min():g}")
+    return times
+
+
+def _which_responses(eye: Eye, shape: tuple[int, ...]) -> str:
+    """What responses are to be, and what those that were found may be."""
+    said = f"responses: expected shape (..., {len(eye.receptor_type)}), one for each receptor"
+    found = shape[-1:]
+    if found == (len(eye.receptor_types),):
+        return f"{said}, found {shape}, one for each type: take responses[..., eye.receptor_type]"
+    if found == (len(eye),):
+        return f"{said}, found {shape}, one for each ommatidium: take those of render_receptors"
+    return f"{said}, found {shape}"
+
+
 def _what_lacks(eye: Eye) -> str:
-    """Which numbers of an eye are not known, and which animals' are."""
+    """Which numbers of an eye are not known, whose eye it is, and what to do."""
+    import omma.species.animals  # species lie above this subpackage: for these words alone
+
     lacks = []
     facets = int(np.count_nonzero(eye.facet_diameter_m == 0))
     if facets:
@@ -75,13 +113,20 @@ def _what_lacks(eye: Eye) -> str:
         if names:
             some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
             lacks.append(f"{what} of the receptors {some}")
-    import omma  # species lie above this subpackage: for these words alone
-
-    animals = ", ".join(omma.species.with_catches())
+    if not eye.receptor_types:
+        lacks.append("any receptors")
+    animals = omma.species.with_catches()
+    donor, name = animals[0], omma.species.animals.name_of(eye)
+    way_out = (
+        f"omma.species.assume_rhabdoms(eye, {donor!r})"
+        if name is None else
+        f"omma.species.{name}(assume={donor!r}).eye"
+    )  # fmt: skip
     return (
-        f"eye: expected what photons are counted by, found 0 (not known) for {'; '.join(lacks)}. "
-        f"Of the animals here these have all of it: {animals}; for another give its receptors "
-        "absorption_per_m and length_m"
+        f"eye: expected what photons are counted by; {name or 'it'} lacks {'; '.join(lacks)}. "
+        f"Render with {way_out}, which takes what lacks from an animal that has it "
+        f"({', '.join(animals)}) and says so; or give ReceptorType the absorption_per_m and "
+        "length_m that you know"
     )
 
 

@@ -7,7 +7,7 @@ what follows.
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -121,7 +121,10 @@ def receptor_matrix(
         if edges_nm is not None:
             bands = Bands.from_edges(edges_nm)
         assert bands is not None
-        shares = [_band_weights(one, bands) / sensitivity_integral_nm(one) for one in types]
+        chosen = bands
+        shares = of_each_sensitivity(
+            types, lambda one: _band_weights(one, chosen) / sensitivity_integral_nm(one)
+        )
         return np.array(shares, np.float64).reshape(len(shares), len(bands))
     mix = ultraviolet_mix("dark" if ultraviolet is None else ultraviolet)
     rows = [_core.receptor_weights(one, mix.tolist()) for one in types]
@@ -147,6 +150,26 @@ def ultraviolet_mix(ultraviolet: ArrayLike) -> Floats:
             f"ultraviolet: expected weights of red, green, blue, at least 0, found {mix.tolist()}"
         )
     return mix
+
+
+def of_each_sensitivity(
+    types: Sequence[ReceptorType], function: Callable[[ReceptorType], Any]
+) -> list[Any]:
+    """The function of each type, asked once for those that differ in where they look alone, of
+    which a fly has hundreds."""
+    known: dict[Any, Any] = {}
+    found = []
+    for one in types:
+        key = (
+            one.peak_wavelength_nm,
+            one.absorption_per_m * one.length_m,
+            tuple(one.wavelength_nm),
+            tuple(one.sensitivity),
+        )
+        if key not in known:
+            known[key] = function(one)
+        found.append(known[key])
+    return found
 
 
 def sensitivity_integral_nm(receptor: ReceptorType) -> float:

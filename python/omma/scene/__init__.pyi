@@ -23,6 +23,7 @@ from .materials import (
     natural_material,
     natural_materials,
 )
+from .reflectances import with_reflectance
 from .points import PointCloud, load_points
 from .splat_culling import cull_splats
 from .splat_files import load_splats, save_splats
@@ -77,4 +78,5 @@ __all__ = [
     "save_splats",
     "sphere",
     "surfels",
+    "with_reflectance",
 ]

@@ -229,7 +229,8 @@ def _asking(names: list[str], light: Light) -> str:
         'ultraviolet="dark" (nothing), or a light of visible bands alone '
         "(bands=omma.light.Bands.equal(12, 400, 700), among the words of a light bands=visible). "
         f"{share:.1%} of this light is below 400 nm, of which RGB says nothing, and of "
-        f"{len(names)} materials only RGB is known: {told}{more}. Or say "
+        f"{len(names)} materials only RGB is known, or a spectrum that does not reach as far down "
+        f"as the light: {told}{more}. Or say "
         'ultraviolet="as_blue", a reflectance such as ultraviolet=0.02 (leaves) or, in Python, a '
         "mapping by name; or give materials spectra (docs/materials.md). "
         "omma.rendering.ultraviolet_dependence tells by how much responses depend on it"

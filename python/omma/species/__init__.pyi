@@ -13,6 +13,7 @@ from .animals import (
     names,
     with_catches,
 )
+from .assumed import assume_rhabdoms
 from .facts import Fact, Source, Species, facts, facts_text, sources
 from .growing import build
 from .measured import measured_drosophila
@@ -21,6 +22,7 @@ __all__ = [
     "Fact",
     "Source",
     "Species",
+    "assume_rhabdoms",
     "build",
     "bumblebee",
     "calliphora",

@@ -14,10 +14,15 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
+import numpy as np
+from numpy.typing import NDArray
+
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
 from omma.base.notebook import html_table
 from omma.base.values import value_class
+
+Floats = NDArray[np.float64]
 
 STATUSES = ("measured", "interpolated", "assumed")
 # The animals whose eyes there are.
@@ -33,8 +38,17 @@ LATIN = {
     "dragonfly": "Anax junius",
     "fiddler_crab": "Gelasimus vomeris",
 }
+# What the table calls the time over which a receptor adds up light.
+_TIME = "integration_time"
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
-_UNITS = {"um": 1e-6, "mm": 1e-3, "nm": 1.0, "per um": 1e6, "deg": math.pi / 180.0}
+_UNITS = {
+    "um": 1e-6,
+    "mm": 1e-3,
+    "nm": 1.0,
+    "per um": 1e6,
+    "deg": math.pi / 180.0,
+    "ms": 1e-3,
+}
 
 
 @value_class
@@ -66,7 +80,7 @@ class Fact:
 
     @property
     def si(self) -> float:
-        """The value in metres, radians, per metre; wavelengths in nanometres."""
+        """The value in metres, radians, per metre, seconds; wavelengths in nanometres."""
         return self.value * _UNITS.get(self.unit, 1.0)
 
 
@@ -77,13 +91,16 @@ class Species:
 
     ``eye`` holds the whole head: eye 0 is the left one, 1 the right one, positions and facet
     diameters in metres, an angular sensitivity and receptors for every ommatidium, and a text
-    column ``region``.
+    column ``region``. ``assumed`` says, in a sentence each, which numbers were taken from the
+    animals of ``assume``.
     """
 
     name: str
     latin: str
     eye: Eye
     facts: tuple[Fact, ...]
+    assume: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
 
     @property
     def sources(self) -> tuple[Source, ...]:
@@ -93,6 +110,43 @@ class Species:
     def fact(self, quantity: str) -> Fact:
         """The row of this quantity."""
         return _find(self.name, quantity)
+
+    @property
+    def integration_time_s(self) -> Floats:
+        """Over which each receptor adds up light: (R,), s, for `omma.receptors.photon_catch`.
+
+        The full width at half maximum of the impulse response in bright light, by receptor or for
+        all, of the table: of this animal, or else of the first in ``assume`` that has it.
+
+        Example:
+            >>> bee = omma.species.bumblebee()
+            >>> sorted({round(1000 * float(one), 1) for one in bee.integration_time_s})
+            [7.9, 9.8, 12.3]
+
+        Raises:
+            omma.Error: it is not known of a receptor.
+        """
+        types = self.eye.receptor_types
+        times = [self._integration_time_s(one.name) for one in types]
+        lacking = [one.name for one, time in zip(types, times, strict=True) if math.isnan(time)]
+        if lacking or not types:
+            known = dict.fromkeys(f.animal for f in facts() if f.quantity.endswith(_TIME))
+            raise Error(
+                f"{self.name}: its integration time is not known"
+                + (f" of the receptors {', '.join(dict.fromkeys(lacking))}" if lacking else "")
+                + f"; it is of {', '.join(known)}. Give photon_catch a number of seconds, or take "
+                "that of another, as in "
+                f'omma.species.{self.name}(assume=("honeybee_worker", "calliphora"))'
+            )
+        return np.array(times)[self.eye.receptor_type]
+
+    def _integration_time_s(self, receptor: str) -> float:
+        for animal in (self.name, *self.assume):
+            table = {fact.quantity: fact.si for fact in facts(animal)}
+            for quantity in (f"{receptor}_{_TIME}", _TIME):
+                if quantity in table:
+                    return table[quantity]
+        return math.nan
 
     def _repr_html_(self) -> str:
         receptors: dict[str, float] = {}
@@ -108,11 +162,14 @@ class Species:
             "numbers": ", ".join(f"{count[status]} {status}" for status in STATUSES),
             "sources": f"{len(self.sources)}; facts_text({self.name!r}) has them all",
         }  # fmt: skip
+        if self.assumed:
+            rows["assumed"] = "; ".join(self.assumed)
         picture = self.eye._repr_html_()  # type: ignore[attr-defined]
         return html_table(f"omma.species.{self.name}", rows) + str(picture)
 
     def __repr__(self) -> str:
-        return f"Species({self.name}, {self.latin}, {len(self.eye)} ommatidia)"
+        whose = f", assumed from {', '.join(self.assume)}" if self.assume else ""
+        return f"Species({self.name}, {self.latin}, {len(self.eye)} ommatidia{whose})"
 
 
 @cache

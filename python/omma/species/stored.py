@@ -54,6 +54,15 @@ def stored(name: str) -> Species:
         return Species(name, LATIN[name], _eye(dict(z)), facts(name))
 
 
+def stored_axes(name: str) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """Axes (N, 3) and eyes (N,) of the animal's ommatidia alone, in a tenth of the time."""
+    with _open(name) as z:
+        axis = z["axis"]
+        if z["mirrored"]:
+            axis = np.concatenate([_mirrored(axis), axis])
+        return axis, z["eye_id"].astype(np.int32)
+
+
 def stored_numbers(name: str) -> str:
     """What `numbers_digest` was when the animal's eyes were made."""
     with _open(name) as z:
@@ -61,8 +70,11 @@ def stored_numbers(name: str) -> str:
 
 
 def numbers_digest() -> str:
-    """A digest of all numbers of facts.csv: it changes when the eyes must be made anew."""
-    text = "\n".join(f"{f.animal},{f.quantity},{f.value!r},{f.unit}" for f in facts())
+    """A digest of all numbers of facts.csv but times, which no eye is grown from: it changes when
+    the eyes must be made anew."""
+    text = "\n".join(
+        f"{f.animal},{f.quantity},{f.value!r},{f.unit}" for f in facts() if f.unit != "ms"
+    )
     return hashlib.sha256(text.encode()).hexdigest()
 
 
