@@ -10,7 +10,7 @@ import json
 import random
 import re
 import warnings
-from datetime import datetime, timezone
+from datetime import date, datetime, timezone
 from inspect import signature
 
 import numpy as np
@@ -400,6 +400,11 @@ def public_calls(folder):
         "polarisation_weights": (bee,),
         "SunPosition": (135.0, 30.0),
         "sun_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
+        "dawn": (date(2026, 6, 21), 40.0, 10.0, "civil"),
+        "dusk": (date(2026, 6, 21), 40.0, 10.0, "civil"),
+        "solar_noon": (date(2026, 6, 21), 40.0, 10.0),
+        "sunrise": (date(2026, 6, 21), 40.0, 10.0),
+        "sunset": (date(2026, 6, 21), 40.0, 10.0),
         "uniform_sky": {"radiance": 1.0, "bands": few},
         "watts_from_photons": (1.0, 500.0),
         "band_from_rgb": ([400.0, 500.0, 700.0],),

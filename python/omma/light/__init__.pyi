@@ -4,6 +4,7 @@ from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
 from .sun_position import SunPosition, sun_position
+from .sun_times import dawn, dusk, solar_noon, sunrise, sunset
 from .units import photons_from_watts, watts_from_photons
 
 __all__ = [
@@ -15,6 +16,8 @@ __all__ = [
     "band_from_rgb",
     "clear_sky",
     "clear_sky_at",
+    "dawn",
+    "dusk",
     "lamps",
     "moonlit_sky",
     "overcast_sky",
@@ -22,7 +25,10 @@ __all__ = [
     "panorama_bands",
     "photons_from_watts",
     "primary_spectra",
+    "solar_noon",
     "sun_position",
+    "sunrise",
+    "sunset",
     "uniform_sky",
     "watts_from_photons",
 ]

@@ -66,13 +66,17 @@ def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float)
     moment = _universal(date_time)
     within(latitude_deg, "latitude_deg", -90, 90)
     within(longitude_deg, "longitude_deg", -180, 180)
-    ephem = _load_ephem()
-    observer = ephem.Observer()
-    observer.lat, observer.lon = math.radians(latitude_deg), math.radians(longitude_deg)
-    observer.pressure = 0  # no refraction
-    observer.date = moment.replace(tzinfo=None)
-    sun = ephem.Sun(observer)
+    sun = load_ephem().Sun(observer_at(moment, latitude_deg, longitude_deg))
     return SunPosition(math.degrees(sun.az), math.degrees(sun.alt))
+
+
+def observer_at(moment: datetime, latitude_deg: float, longitude_deg: float) -> Any:
+    """PyEphem's observer at a moment in UTC, without refraction."""
+    observer = load_ephem().Observer()
+    observer.lat, observer.lon = math.radians(latitude_deg), math.radians(longitude_deg)
+    observer.pressure = 0
+    observer.date = moment.replace(tzinfo=None)
+    return observer
 
 
 def _universal(date_time: Any) -> datetime:
@@ -91,5 +95,5 @@ def _universal(date_time: Any) -> datetime:
     return date_time.astimezone(timezone.utc)
 
 
-def _load_ephem() -> Any:
+def load_ephem() -> Any:
     return needs("ephem", "sky", "the sun's position needs PyEphem")
