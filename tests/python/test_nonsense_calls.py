@@ -382,6 +382,11 @@ def public_calls(folder):
         "band_error": (light, [green]),
         "natural_material": ("sand",),
         "bands_to_rgb": (np.ones((5, len(light.bands))), light),
+        "cie_relative_luminance": (1, 30.0, [10.0, 90.0]),
+        "cie_sky": {"sky_type": 12, "sun_elevation_deg": 30.0, "bands": few},
+        "cloud_transmittance": ([1.0, 10.0], 0.5),
+        "clouded": (light, 0.5, "cumulus"),
+        "cloudy_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky_at": {
             "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
@@ -584,7 +589,7 @@ def public_calls(folder):
         "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),
         "Light": (light, {
             "radiance": ((0, 1, 0),), "irradiance": (), "turned": (10.0,), "scaled": (2.0,),
-            "in_bands": (few,),
+            "in_bands": (few,), "plus": (light,),
         }),
         "BandError": (omma.receptors.BandError(np.zeros((1, 1, 1))), {}),
         "EyeMeasures": (measures, {}),

@@ -1,4 +1,6 @@
 from .bands import Bands, band_from_rgb, primary_spectra
+from .cie_skies import cie_relative_luminance, cie_sky
+from .clouds import cloud_transmittance, clouded, cloudy_sky
 from .lights import Disc, Light
 from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
@@ -14,8 +16,13 @@ __all__ = [
     "Spectrum",
     "SunPosition",
     "band_from_rgb",
+    "cie_relative_luminance",
+    "cie_sky",
     "clear_sky",
     "clear_sky_at",
+    "cloud_transmittance",
+    "clouded",
+    "cloudy_sky",
     "dawn",
     "dusk",
     "lamps",
