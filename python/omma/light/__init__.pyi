@@ -2,10 +2,11 @@ from .bands import Bands, band_from_rgb, primary_spectra
 from .cie_skies import cie_relative_luminance, cie_sky
 from .clouds import cloud_transmittance, clouded, cloudy_sky
 from .lights import Disc, Light
+from .nights import natural_sky, natural_sky_at, night_sky
 from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
-from .sun_position import SunPosition, sun_position
+from .sun_position import MoonPosition, SunPosition, moon_position, sun_position
 from .sun_times import dawn, dusk, solar_noon, sunrise, sunset
 from .units import photons_from_watts, watts_from_photons
 
@@ -13,6 +14,7 @@ __all__ = [
     "Bands",
     "Disc",
     "Light",
+    "MoonPosition",
     "Spectrum",
     "SunPosition",
     "band_from_rgb",
@@ -26,7 +28,11 @@ __all__ = [
     "dawn",
     "dusk",
     "lamps",
+    "moon_position",
     "moonlit_sky",
+    "natural_sky",
+    "natural_sky_at",
+    "night_sky",
     "overcast_sky",
     "panorama",
     "panorama_bands",

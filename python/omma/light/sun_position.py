@@ -1,4 +1,4 @@
-"""Where the sun stands, by time and place: PyEphem, an optional extra, without a network."""
+"""Where sun and moon stand, by time and place: PyEphem, an optional extra, without a network."""
 
 from __future__ import annotations
 
@@ -68,6 +68,50 @@ def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float)
     within(longitude_deg, "longitude_deg", -180, 180)
     sun = load_ephem().Sun(observer_at(moment, latitude_deg, longitude_deg))
     return SunPosition(math.degrees(sun.az), math.degrees(sun.alt))
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class MoonPosition:
+    """Where the moon's centre stands, and how much of it is lit.
+
+    Attributes:
+        azimuth_deg: 0 to 360, from north to the east.
+        elevation_deg: above the horizon.
+        phase_angle_deg: between sun and earth, seen from the moon: 0 is full, 180 new.
+        illuminated_fraction: of its disc, (1 + cos(phase angle)) / 2.
+    """
+
+    azimuth_deg: float
+    elevation_deg: float
+    phase_angle_deg: float
+    illuminated_fraction: float
+
+
+@checked
+def moon_position(date_time: datetime, latitude_deg: float, longitude_deg: float) -> MoonPosition:
+    """Azimuth and elevation of the moon's centre from a place on the earth's surface, without
+    refraction, and its phase.
+
+    Args:
+        date_time: with its time zone.
+        latitude_deg: -90 to 90, north is positive.
+        longitude_deg: -180 to 180, east is positive.
+
+    Returns:
+        ``azimuth_deg``, ``elevation_deg``, ``phase_angle_deg`` and ``illuminated_fraction``.
+
+    Raises:
+        omma.Error: a time without a time zone or out of range, a latitude or longitude out of
+            range, or PyEphem is not installed.
+    """
+    moment = _universal(date_time)
+    within(latitude_deg, "latitude_deg", -90, 90)
+    within(longitude_deg, "longitude_deg", -180, 180)
+    moon = load_ephem().Moon(observer_at(moment, latitude_deg, longitude_deg))
+    lit = moon.phase / 100
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, 2 * lit - 1))))
+    return MoonPosition(math.degrees(moon.az), math.degrees(moon.alt), angle, lit)
 
 
 def observer_at(moment: datetime, latitude_deg: float, longitude_deg: float) -> Any:

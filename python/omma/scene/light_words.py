@@ -14,8 +14,8 @@ from omma.scene.lighting import checked_lighting
 
 # Functions of `omma.light`.
 SKIES = (
-    "clear_sky", "clear_sky_at", "cloudy_sky", "overcast_sky", "cie_sky", "moonlit_sky",
-    "uniform_sky", "lamps",
+    "clear_sky", "clear_sky_at", "cloudy_sky", "overcast_sky", "cie_sky", "natural_sky",
+    "natural_sky_at", "moonlit_sky", "night_sky", "uniform_sky", "lamps",
 )  # fmt: skip
 # What else a world is told of its light.
 _OF_WORLD = ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
