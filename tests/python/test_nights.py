@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import omma
-from omma.base.directions import direction
+from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.light import clear_sky, natural_sky, night_sky
 from omma.light.nights import twilight_share
+from omma.light.sky_tables import TableSky
+from omma.light.star_light import air_mass, black_body_colour, temperature_k
 
 FEW, TWO = omma.light.Bands.equal(4), omma.light.Bands.from_edges([440, 460, 540, 560])
 
@@ -54,17 +56,15 @@ def test_lower_down_the_night_is_brighter():
 
 
 def test_from_day_to_night_without_a_step():
-    """From 6 degrees above the horizon to 18 below: a degree takes at most 0.54 of a decade, which
-    is the steepest that twilight is, and changes by less than 0.09 from the one before; by 0.13 in
-    the blue before -18 degrees, where what the almanac calls night begins."""
+    """From 6 degrees above the horizon to 18 below: two degrees take at most 1.03 of a decade,
+    which is the steepest that twilight is, and differ by less than 0.25 from the two before."""
     level = np.array(
-        [sum(natural_sky(float(sun), bands=TWO).irradiance()) for sun in range(6, -19, -1)]
+        [sum(natural_sky(float(sun), bands=TWO).irradiance()) for sun in range(6, -19, -2)]
     )
     steps = np.diff(np.log10(level), axis=0)
     assert np.all(steps <= 0)
-    assert steps.min() > -0.54
-    assert np.abs(np.diff(steps[:-1], axis=0)).max() < 0.09
-    assert np.abs(np.diff(steps, axis=0)).max() < 0.14
+    assert steps.min() > -1.03
+    assert np.abs(np.diff(steps, axis=0)).max() < 0.25
     # Where the tables end there is none at all.
     above, below = (sum(natural_sky(-8 + d, bands=TWO).irradiance()) for d in (1e-6, -1e-6))
     np.testing.assert_allclose(above, below, rtol=1e-5)
@@ -102,6 +102,86 @@ def test_by_day_the_night_is_nothing():
         natural_sky(-91)
     with pytest.raises(omma.Error, match="bands: expected 300 to 700"):
         night_sky(bands=omma.light.Bands.equal(4, 250, 700))
+
+
+class TestStars:
+    pytest.importorskip("ephem")
+    WINTER = datetime(2026, 1, 15, 22, tzinfo=timezone.utc)
+    GREEN = omma.light.Bands.from_edges([549, 551])
+
+    def test_where_they_stand(self):
+        starry = omma.light.stars(self.WINTER, 52.5, 13.4, bands=self.GREEN)
+        assert all(one.direction[1] > 0 for one in starry.discs)
+        # Sirius, of -1.44 magnitudes, is at a declination of -16.72 degrees (2000), and 20.8 high
+        # in Berlin's south; Polaris, of 1.97, is within 0.75 degrees of the pole.
+        azimuth, elevation = azimuth_elevation_deg_of(starry.discs[0].direction)
+        assert elevation == pytest.approx(90 - 52.5 - 16.72, abs=0.2)
+        assert abs(azimuth) > 170
+        pole = direction(0, 52.5)
+        nearest = max(float(one.direction @ pole) for one in starry.discs)
+        assert np.degrees(np.arccos(nearest)) < 0.75
+
+    def test_how_bright_they_are(self):
+        """Sirius: 3640 Jy times 10^(0.4 1.44), through the air that dims a sun as high."""
+        sirius = omma.light.stars(self.WINTER, 52.5, 13.4, bands=self.GREEN).discs[0]
+        above = 3640 * 10 ** (0.4 * 1.44) * 1.51e7 / 550
+        elevation = float(azimuth_elevation_deg_of(sirius.direction)[1])
+        air = TableSky(elevation, 0.1, 300.0).transmission(np.array([550.0]))
+        # 1.51e7 has three digits.
+        np.testing.assert_allclose(sirius.irradiance(), above * air, rtol=2e-3)
+
+    def test_the_air_before_them_is_that_before_the_sun(self):
+        nm = np.array([350.0, 450.0, 550.0, 650.0])
+        zenith = TableSky(90.0, 0.1, 300.0).transmission(nm)
+        for elevation, off in ((5.0, 0.08), (20.0, 2e-3), (45.0, 2e-3)):
+            through = TableSky(elevation, 0.1, 300.0).transmission(nm)
+            np.testing.assert_allclose(zenith ** air_mass(elevation), through, rtol=off)
+
+    @pytest.mark.parametrize(
+        ("spectral_class", "colour"),
+        [("B8", -0.03), ("A0", 0.0), ("F5", 0.43), ("G2", 0.65), ("K2", 1.24), ("K5", 1.54)],
+    )
+    def test_their_colours(self, spectral_class, colour):
+        """B - V of Rigel, Vega, Procyon, the sun's like, Arcturus and Aldebaran, of which each is
+        within 0.1 of its class."""
+        found = black_body_colour(temperature_k(spectral_class))
+        assert found == pytest.approx(colour, abs=0.1)
+        assert black_body_colour(5800.0) == pytest.approx(0.65, abs=0.1)
+
+    def test_which_are_there(self):
+        all_of_them = [
+            omma.light.stars(self.WINTER, latitude, 13.4, faintest_magnitude=5, bands=self.GREEN)
+            for latitude in (90, -90)
+        ]
+        assert sum(len(one.discs) for one in all_of_them) == 108
+        two = omma.light.Bands.equal(2)
+        anew = all_of_them[0].in_bands(two)
+        assert anew == omma.light.stars(self.WINTER, 90, 13.4, faintest_magnitude=5, bands=two)
+        first = omma.light.stars(self.WINTER, 52.5, 13.4, faintest_magnitude=0.5, bands=self.GREEN)
+        # Sirius, Arcturus, Vega, Capella, Rigel, Procyon and Betelgeuse.
+        assert len(first.discs) == 7
+        watts = omma.light.stars(self.WINTER, 52.5, 13.4, bands=self.GREEN, unit="watts")
+        again = omma.light.photons_from_watts(watts.discs[0].radiance, [550.0])
+        np.testing.assert_allclose(again, first.discs[0].radiance, rtol=1e-3)
+        with pytest.raises(omma.Error, match="faintest_magnitude: expected -2 to 5, found 9"):
+            omma.light.stars(self.WINTER, 0, 0, faintest_magnitude=9)
+
+    def test_they_are_seen(self):
+        """An ommatidium that looks at a star catches its irradiance over the solid angle of its
+        acceptance, without a ray that meets it."""
+        star = omma.light.Disc((0, 0, -1), 1e-5, [1e9, 2e9])
+        bands = omma.light.Bands.equal(2, 400, 700)
+        world = omma.World(omma.scene.plane((1, 1)), light=omma.light.Light(bands, discs=(star,)))
+        eye = omma.eye.generate_eye(100)
+        seen = omma.Renderer(world, eye, omma.Fixed(1)).render(omma.look_at((0, 1, 0), (0, 1, -1)))
+        away = np.arccos(np.clip(eye.axis @ [0, 0, -1], -1, 1))
+        width = np.broadcast_to(eye.acceptance_angle_rad, away.shape)
+        best = int(np.argmin(away / width))
+        theta = np.linspace(0, 4 * width[best], 20001)
+        beam = np.exp(-4 * np.log(2) * (theta / width[best]) ** 2) * np.sin(theta)
+        whole = 2 * np.pi * np.trapezoid(beam, theta)
+        expected = star.irradiance() * np.exp(-4 * np.log(2) * (away / width)[best] ** 2) / whole
+        np.testing.assert_allclose(seen[0, best], expected, rtol=2e-3)
 
 
 class TestMoon:

@@ -393,6 +393,10 @@ def public_calls(folder):
             "longitude_deg": 10.0, "bands": few,
         },
         "moonlit_sky": {"moon_elevation_deg": 30.0, "bands": few},
+        "stars": {
+            "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
+            "longitude_deg": 10.0, "faintest_magnitude": 0.5, "bands": few,
+        },
         "MoonPosition": (135.0, 30.0, 0.0, 1.0),
         "moon_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
         "natural_sky": {"sun_elevation_deg": -10.0, "bands": few},

@@ -6,6 +6,7 @@ from .nights import natural_sky, natural_sky_at, night_sky
 from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
+from .star_light import stars
 from .sun_position import MoonPosition, SunPosition, moon_position, sun_position
 from .sun_times import dawn, dusk, solar_noon, sunrise, sunset
 from .units import photons_from_watts, watts_from_photons
@@ -39,6 +40,7 @@ __all__ = [
     "photons_from_watts",
     "primary_spectra",
     "solar_noon",
+    "stars",
     "sun_position",
     "sunrise",
     "sunset",

@@ -57,7 +57,7 @@ def night_sky(*, albedo: float = 0.1, bands: Bands | None = None, unit: Unit = "
     Example:
         >>> night = omma.light.night_sky(bands=omma.light.Bands.from_edges([540, 560]))
         >>> f"{night.radiance((0, 1, 0))[0, 0]:.1e}"
-        '7.3e+09'
+        '7.4e+09'
 
     Raises:
         omma.Error: an albedo out of range, or bands out of 300 to 700 nm.
@@ -137,7 +137,8 @@ def natural_sky_at(
     unit: Unit = "photons",
 ) -> Light:
     """A clear sky at any time and place, where -Z is north: `natural_sky` with the sun where
-    `sun_position` says, and `moonlit_sky` with the moon where `moon_position` says.
+    `sun_position` says, and `moonlit_sky` with the moon where `moon_position` says. Bright stars
+    are added by ``+ omma.light.stars(date_time, ...)``.
 
     Args:
         date_time: with its time zone.

@@ -63,7 +63,7 @@ def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float)
         omma.Error: a time without a time zone or out of range, a latitude or longitude out of
             range, or PyEphem is not installed.
     """
-    moment = _universal(date_time)
+    moment = universal(date_time)
     within(latitude_deg, "latitude_deg", -90, 90)
     within(longitude_deg, "longitude_deg", -180, 180)
     sun = load_ephem().Sun(observer_at(moment, latitude_deg, longitude_deg))
@@ -105,7 +105,7 @@ def moon_position(date_time: datetime, latitude_deg: float, longitude_deg: float
         omma.Error: a time without a time zone or out of range, a latitude or longitude out of
             range, or PyEphem is not installed.
     """
-    moment = _universal(date_time)
+    moment = universal(date_time)
     within(latitude_deg, "latitude_deg", -90, 90)
     within(longitude_deg, "longitude_deg", -180, 180)
     moon = load_ephem().Moon(observer_at(moment, latitude_deg, longitude_deg))
@@ -123,7 +123,8 @@ def observer_at(moment: datetime, latitude_deg: float, longitude_deg: float) -> 
     return observer
 
 
-def _universal(date_time: Any) -> datetime:
+def universal(date_time: Any) -> datetime:
+    """A time in UTC; omma.Error where it has no zone or is out of the years that are known."""
     if not isinstance(date_time, datetime):
         raise TypeError(f"date_time: expected a datetime.datetime, found {date_time!r:.40}")
     if date_time.utcoffset() is None:
