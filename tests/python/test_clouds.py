@@ -83,6 +83,8 @@ class TestMixtures:
             clear + 1
         with pytest.raises(TypeError):
             clear * clear
+        with pytest.raises(omma.Error, match="factor: expected 0, or 1e-30 to 1e30"):
+            -1 * clear
 
 
 class TestStandardSkies:

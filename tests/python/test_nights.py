@@ -57,14 +57,15 @@ def test_lower_down_the_night_is_brighter():
 
 def test_from_day_to_night_without_a_step():
     """From 6 degrees above the horizon to 18 below: two degrees take at most 1.03 of a decade,
-    which is the steepest that twilight is, and differ by less than 0.25 from the two before."""
+    which is the steepest that twilight is, and differ by less than 0.3 from the two before (those
+    of the almanac's illuminances differ by up to 0.27)."""
     level = np.array(
         [sum(natural_sky(float(sun), bands=TWO).irradiance()) for sun in range(6, -19, -2)]
     )
     steps = np.diff(np.log10(level), axis=0)
     assert np.all(steps <= 0)
     assert steps.min() > -1.03
-    assert np.abs(np.diff(steps, axis=0)).max() < 0.25
+    assert np.abs(np.diff(steps, axis=0)).max() < 0.3
     # Where the tables end there is none at all.
     above, below = (sum(natural_sky(-8 + d, bands=TWO).irradiance()) for d in (1e-6, -1e-6))
     np.testing.assert_allclose(above, below, rtol=1e-5)

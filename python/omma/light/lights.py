@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import numbers
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar, cast
@@ -284,7 +283,8 @@ class Light:
         return self.plus(other) if isinstance(other, Light) else NotImplemented
 
     def __mul__(self, factor: float) -> Light:
-        return self.scaled(factor) if isinstance(factor, numbers.Real) else NotImplemented
+        is_number = isinstance(factor, (int, float, np.number))
+        return self.scaled(float(factor)) if is_number else NotImplemented
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # so that numbers of NumPy leave a product to it

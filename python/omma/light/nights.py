@@ -200,4 +200,4 @@ def _zenith_photons(nm: Floats) -> Floats:
         flux = jansky * 10 ** (-0.4 * magnitudes) * _PHOTONS_PER_JY / at
         known.append((at, flux * _SQUARE_SECONDS_PER_SR))
     at, photons = np.transpose(known)
-    return np.exp(np.interp(nm, at, np.log(photons)))
+    return np.asarray(np.exp(np.interp(nm, at, np.log(photons))))
