@@ -1,4 +1,7 @@
-"""Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none."""
+"""Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none.
+
+With clouds: clouds.py; the CIE's: cie_skies.py; of any sun, and night: nights.py.
+"""
 
 from __future__ import annotations
 
