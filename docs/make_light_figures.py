@@ -1,4 +1,4 @@
-"""Draws the figures of docs/light.md: how Stokes vectors are meant, and a sky.
+"""Draws the figures of docs/light.md: how Stokes vectors are meant, a sky, and skies with clouds.
 
 python docs/make_light_figures.py            (into docs/)
 """
@@ -21,6 +21,43 @@ def main():
         save_figure(frames_figure(), [str(DOCS / "light-frames.svg")])
     light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=omma.light.Bands.equal(40))
     omma.picture.plot_sky(DOCS / "light-sky.png", light)
+    with figure_style(8.0):
+        save_figure(clouds_figure(), [str(DOCS / "sky-clouds.png")])
+
+
+def clouds_figure():
+    """Skies with clouds, lying on the back with the head to the sun."""
+    clear = omma.light.clear_sky(35)
+    figure = Figure(figsize=(7.2, 3.5), layout="constrained")
+    panels = figure.subplots(2, 4)
+    side = np.linspace(-1, 1, 321)
+    x, y = np.meshgrid(side, -side)
+    out = np.hypot(x, y)
+    towards = direction(np.degrees(np.arctan2(x, y)), np.maximum(90 * (1 - out), 0))
+    white = clear.irradiance()[0] + clear.irradiance()[1]
+    for (kind, fraction, seed), (colours, polarised) in zip(
+        (("cumulus", 0.3, 1), ("cumulus", 0.7, 2), ("cirrus", 0.5, 3), ("deck", 0.8, 4)), panels.T
+    ):
+        stokes = omma.light.clouded(clear, fraction, kind, seed=seed).radiance(towards)
+        # A white sheet on level ground, lit by the clear sky and its sun, is 0.8.
+        share = 0.8 * np.pi * stokes[:, :, 0] / white
+        rgb = np.stack([share[:, :, a:b].mean(axis=2) for a, b in ((11, 15), (8, 11), (5, 8))], -1)
+        rgb = np.clip(rgb, 0, 1) ** (1 / 2.2)
+        rgb[out > 1] = 1
+        colours.imshow(rgb, interpolation="bilinear")
+        colours.set_title(f"{kind}, {fraction:g} of the sky")
+        degree = np.hypot(stokes[:, :, 1, 6], stokes[:, :, 2, 6]) / stokes[:, :, 0, 6]
+        drawn = polarised.imshow(np.where(out > 1, np.nan, degree), vmin=0, vmax=0.6)
+        for panel in (colours, polarised):
+            panel.set_axis_off()
+    figure.colorbar(
+        drawn,
+        ax=panels,
+        shrink=0.5,
+        anchor=(0, 0.05),
+        label="degree of polarisation,\n450 to 475 nm",
+    )
+    return figure
 
 
 def frames_figure():

@@ -43,6 +43,9 @@ def test_they_are_the_arguments_of_a_world():
     noon = datetime(2026, 6, 21, 12, tzinfo=timezone.utc)
     assert at == omma.light.clear_sky_at(noon, 52.5, 13.4)
     assert parse_light("uniform_sky radiance=2 unit=watts")["light"].unit == "watts"
+    clouds = parse_light("cloudy_sky sun_elevation_deg=30 cloud_fraction=0.3 kind=cirrus bands=4")
+    few = omma.light.Bands.equal(4)
+    assert clouds == {"light": omma.light.cloudy_sky(30, 0.3, "cirrus", bands=few)}
     visible = parse_light("uniform_sky bands=visible")
     assert visible == {"light": omma.light.uniform_sky(bands=omma.light.Bands.equal(12, 400, 700))}
 

@@ -10,7 +10,7 @@ import json
 import random
 import re
 import warnings
-from datetime import datetime, timezone
+from datetime import date, datetime, timezone
 from inspect import signature
 
 import numpy as np
@@ -388,12 +388,29 @@ def public_calls(folder):
         "band_error": (light, [green]),
         "natural_material": ("sand",),
         "bands_to_rgb": (np.ones((5, len(light.bands))), light),
+        "cie_relative_luminance": (1, 30.0, [10.0, 90.0]),
+        "cie_sky": {"sky_type": 12, "sun_elevation_deg": 30.0, "bands": few},
+        "cloud_transmittance": ([1.0, 10.0], 0.5),
+        "clouded": (light, 0.5, "cumulus"),
+        "cloudy_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky_at": {
             "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
             "longitude_deg": 10.0, "bands": few,
         },
         "moonlit_sky": {"moon_elevation_deg": 30.0, "bands": few},
+        "stars": {
+            "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
+            "longitude_deg": 10.0, "faintest_magnitude": 0.5, "bands": few,
+        },
+        "MoonPosition": (135.0, 30.0, 0.0, 1.0),
+        "moon_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
+        "natural_sky": {"sun_elevation_deg": -10.0, "bands": few},
+        "natural_sky_at": {
+            "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
+            "longitude_deg": 10.0, "bands": few,
+        },
+        "night_sky": {"bands": few},
         "overcast_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "panorama": {"image": np.ones((2, 4, 3), np.float32), "ultraviolet": "dark", "bands": few},
         "panorama_bands": {"radiance": np.ones((2, 4, 4)), "bands": few},
@@ -411,6 +428,11 @@ def public_calls(folder):
         "polarisation_weights": (bee,),
         "SunPosition": (135.0, 30.0),
         "sun_position": (datetime(2026, 6, 21, 12, tzinfo=timezone.utc), 50.0, 10.0),
+        "dawn": (date(2026, 6, 21), 40.0, 10.0, "civil"),
+        "dusk": (date(2026, 6, 21), 40.0, 10.0, "civil"),
+        "solar_noon": (date(2026, 6, 21), 40.0, 10.0),
+        "sunrise": (date(2026, 6, 21), 40.0, 10.0),
+        "sunset": (date(2026, 6, 21), 40.0, 10.0),
         "uniform_sky": {"radiance": 1.0, "bands": few},
         "watts_from_photons": (1.0, 500.0),
         "band_from_rgb": ([400.0, 500.0, 700.0],),
@@ -591,7 +613,7 @@ def public_calls(folder):
         "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),
         "Light": (light, {
             "radiance": ((0, 1, 0),), "irradiance": (), "turned": (10.0,), "scaled": (2.0,),
-            "in_bands": (few,),
+            "in_bands": (few,), "plus": (light,),
         }),
         "BandError": (omma.receptors.BandError(np.zeros((1, 1, 1))), {}),
         "EyeMeasures": (measures, {}),

@@ -148,6 +148,7 @@ def examples(files, tmp_path_factory):
         "photoreceptors.ImpulseResponse": omma.photoreceptors.ImpulseResponse.table(
             [0, 0.01, 0.02, 0.03], [0, 2, -0.5, 0]
         ),
+        "light.MoonPosition": omma.light.MoonPosition(135.0, 30.0, 60.0, 0.75),
         "light.SunPosition": omma.light.SunPosition(135.0, 30.0),
         "motion.DetectorArray": omma.motion.detector_array(angles, 0.035, 500),
         "motion.DetectorState": omma.motion.detector_array(angles, 0.035, 500).step(

@@ -266,7 +266,9 @@ def _checks_of(
         and one.kind not in several
         and name in function.__annotations__
     }
-    hints = get_type_hints(SimpleNamespace(__annotations__=typed), function.__globals__)
+    # Names of annotations are those of where the function itself was written.
+    names = inspect.unwrap(function).__globals__
+    hints = get_type_hints(SimpleNamespace(__annotations__=typed), names)
     found = {name: _kinds(hint) for name, hint in hints.items()}
     known = {name: kinds for name, kinds in found.items() if kinds is not None}
     # Eyes and scenes are checked first, as a wrong one says most about the mistake.

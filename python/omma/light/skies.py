@@ -1,4 +1,7 @@
-"""Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none."""
+"""Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none.
+
+With clouds: clouds.py; the CIE's: cie_skies.py; of any sun, and night: nights.py.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +34,11 @@ _MOON_RADIUS_RAD = float(np.radians(0.518 / 2))  # at its mean distance
 # (Allen, Astrophysical Quantities, 3rd edition, 1973), good to 150 degrees of phase angle.
 _SUN_MAGNITUDE, _FULL_MOON_MAGNITUDE = -26.74, -12.73
 _MOST_PHASE_DEG = 150.0
+# How the moon reflects, as a power of the wavelength, by phase angle, degrees: fitted to the disc's
+# reflectances at 350 to 704 nm of Kieffer and Stone (Astron. J. 129:2887, 2005, table 4), from
+# which each is 5 % rms off, as are their bands from each other.
+_MOON_PHASES_DEG, _MOON_POWERS = (5, 30, 60, 90), (0.95, 1.13, 1.24, 1.30)
+_VISUAL_NM = 550.0
 
 
 @checked
@@ -185,9 +193,11 @@ def moonlit_sky(
     """A clear sky by moonlight: `clear_sky` with the moon instead of the sun.
 
     Its strength is that of the visual magnitudes of sun and moon, -26.74 and -12.73 when it is
-    full, which is 2.5e-6, less 0.026 |φ| + 4e-9 φ⁴ magnitudes at a phase angle of φ degrees (Allen
-    1973). The disc is 0.518° wide and even. That the moon is redder than the sun, that not all of
-    its disc is lit, and what light of stars and of the air itself there is, are left out.
+    full, which is 2.5e-6 at 550 nm, less 0.026 |φ| + 4e-9 φ⁴ magnitudes at a phase angle of φ
+    degrees (Allen 1973). It is redder than the sun, by the wavelength to the power 0.95 when it is
+    full to 1.3 when it is half (after Kieffer and Stone 2005). The disc is 0.518° wide and even:
+    that not all of it is lit is in its strength, not in its shape. What light of stars and of the
+    air itself there is comes by `night_sky`.
 
     Args:
         moon_elevation_deg, moon_azimuth_deg: of its centre, as of the sun in `clear_sky`.
@@ -211,12 +221,14 @@ def moonlit_sky(
     )
     phase = abs(phase_angle_deg)
     loss = _FULL_MOON_MAGNITUDE - _SUN_MAGNITUDE + 0.026 * phase + 4e-9 * phase**4
-    moonlit = sunlit.scaled(10 ** (-0.4 * loss))
-    found = [one.irradiance() for one in moonlit.discs]
+    power = float(np.interp(phase, _MOON_PHASES_DEG, _MOON_POWERS))
+    share = 10 ** (-0.4 * loss) * sunlit.bands.mean(lambda nm: (nm / _VISUAL_NM) ** power)
+    found = [share * one.irradiance() for one in sunlit.discs]
     discs: tuple[Disc, ...] = ()
     if found:
         discs = _disc(moon_elevation_deg, moon_azimuth_deg, _MOON_RADIUS_RAD, found[0], None)
-    return Light(moonlit.bands, unit, moonlit.sky, discs=discs)
+    sky = sunlit.sky * share.astype(np.float32)  # type: ignore[operator]
+    return Light(sunlit.bands, unit, sky, discs=discs)
 
 
 @checked

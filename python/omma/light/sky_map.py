@@ -59,6 +59,20 @@ def irradiance(sky: Map, normal: Floats) -> Floats:
     return np.asarray(total @ sky[:, :, :, 0].reshape(len(total), -1).astype(np.float64))
 
 
+def level_weights(rows: int, columns: int) -> Floats:
+    """What a node of each row of the upper half counts in the irradiance of level ground, (rows,):
+    the integral of its share in a map between nodes, times sine and cosine of elevation."""
+    x, w = np.polynomial.legendre.leggauss(5)
+    edges = np.linspace(0, np.pi / 2, rows)
+    half = (edges[1] - edges[0]) / 2
+    elevation = edges[:-1, None] + half * (1 + x)
+    each = half * w * np.sin(elevation) * np.cos(elevation) * 2 * np.pi / columns
+    weights = np.zeros(rows)
+    weights[:-1] += (each * (1 - x) / 2).sum(axis=1)
+    weights[1:] += (each * (1 + x) / 2).sum(axis=1)
+    return weights
+
+
 def turned(sky: Map, azimuth_rad: float) -> Map:
     """The map turned to the right, seen from above; between columns as it is looked up."""
     elevation, azimuth = sky_nodes(*sky.shape[1:3])
@@ -66,6 +80,27 @@ def turned(sky: Map, azimuth_rad: float) -> Map:
         np.arange(2)[:, None, None], np.abs(elevation)[:, :, None], azimuth - azimuth_rad
     )
     return _mixed(sky, half, height, before).astype(np.float32)
+
+
+def added(one: Map, other: Map) -> Map:
+    """The sum of two maps with the same channels, on the finer grid of rows and of columns."""
+    rows, columns = (max(one.shape[k], other.shape[k]) for k in (1, 2))
+    components = max(one.shape[3], other.shape[3])
+    total = np.zeros((2, rows, columns, components, one.shape[4]))
+    for each in (one, other):
+        total[:, :, :, : each.shape[3]] += on_grid(each, rows, columns)
+    return total.astype(np.float32)
+
+
+def on_grid(sky: Map, rows: int, columns: int) -> Map:
+    """A map at other nodes, as it is looked up; the map itself where they are its own."""
+    if sky.shape[1:3] == (rows, columns):
+        return sky
+    elevation, azimuth = sky_nodes(rows, columns)
+    half, height, around = np.broadcast_arrays(
+        np.arange(2)[:, None, None], np.abs(elevation)[:, :, None], azimuth
+    )
+    return _mixed(sky, half, height, around).astype(np.float32)
 
 
 def from_equirectangular(picture: Floats) -> Map:

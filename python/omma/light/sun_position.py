@@ -1,4 +1,4 @@
-"""Where the sun stands, by time and place: PyEphem, an optional extra, without a network."""
+"""Where sun and moon stand, by time and place: PyEphem, an optional extra, without a network."""
 
 from __future__ import annotations
 
@@ -63,19 +63,68 @@ def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float)
         omma.Error: a time without a time zone or out of range, a latitude or longitude out of
             range, or PyEphem is not installed.
     """
-    moment = _universal(date_time)
+    moment = universal(date_time)
     within(latitude_deg, "latitude_deg", -90, 90)
     within(longitude_deg, "longitude_deg", -180, 180)
-    ephem = _load_ephem()
-    observer = ephem.Observer()
-    observer.lat, observer.lon = math.radians(latitude_deg), math.radians(longitude_deg)
-    observer.pressure = 0  # no refraction
-    observer.date = moment.replace(tzinfo=None)
-    sun = ephem.Sun(observer)
+    sun = load_ephem().Sun(observer_at(moment, latitude_deg, longitude_deg))
     return SunPosition(math.degrees(sun.az), math.degrees(sun.alt))
 
 
-def _universal(date_time: Any) -> datetime:
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class MoonPosition:
+    """Where the moon's centre stands, and how much of it is lit.
+
+    Attributes:
+        azimuth_deg: 0 to 360, from north to the east.
+        elevation_deg: above the horizon.
+        phase_angle_deg: between sun and earth, seen from the moon: 0 is full, 180 new.
+        illuminated_fraction: of its disc, (1 + cos(phase angle)) / 2.
+    """
+
+    azimuth_deg: float
+    elevation_deg: float
+    phase_angle_deg: float
+    illuminated_fraction: float
+
+
+@checked
+def moon_position(date_time: datetime, latitude_deg: float, longitude_deg: float) -> MoonPosition:
+    """Azimuth and elevation of the moon's centre from a place on the earth's surface, without
+    refraction, and its phase.
+
+    Args:
+        date_time: with its time zone.
+        latitude_deg: -90 to 90, north is positive.
+        longitude_deg: -180 to 180, east is positive.
+
+    Returns:
+        ``azimuth_deg``, ``elevation_deg``, ``phase_angle_deg`` and ``illuminated_fraction``.
+
+    Raises:
+        omma.Error: a time without a time zone or out of range, a latitude or longitude out of
+            range, or PyEphem is not installed.
+    """
+    moment = universal(date_time)
+    within(latitude_deg, "latitude_deg", -90, 90)
+    within(longitude_deg, "longitude_deg", -180, 180)
+    moon = load_ephem().Moon(observer_at(moment, latitude_deg, longitude_deg))
+    lit = moon.phase / 100
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, 2 * lit - 1))))
+    return MoonPosition(math.degrees(moon.az), math.degrees(moon.alt), angle, lit)
+
+
+def observer_at(moment: datetime, latitude_deg: float, longitude_deg: float) -> Any:
+    """PyEphem's observer at a moment in UTC, without refraction."""
+    observer = load_ephem().Observer()
+    observer.lat, observer.lon = math.radians(latitude_deg), math.radians(longitude_deg)
+    observer.pressure = 0
+    observer.date = moment.replace(tzinfo=None)
+    return observer
+
+
+def universal(date_time: Any) -> datetime:
+    """A time in UTC; omma.Error where it has no zone or is out of the years that are known."""
     if not isinstance(date_time, datetime):
         raise TypeError(f"date_time: expected a datetime.datetime, found {date_time!r:.40}")
     if date_time.utcoffset() is None:
@@ -91,5 +140,5 @@ def _universal(date_time: Any) -> datetime:
     return date_time.astimezone(timezone.utc)
 
 
-def _load_ephem() -> Any:
+def load_ephem() -> Any:
     return needs("ephem", "sky", "the sun's position needs PyEphem")

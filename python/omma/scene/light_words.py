@@ -13,7 +13,10 @@ from omma.scene.files import WITHOUT_LIGHT
 from omma.scene.lighting import checked_lighting
 
 # Functions of `omma.light`.
-SKIES = ("clear_sky", "clear_sky_at", "moonlit_sky", "overcast_sky", "uniform_sky", "lamps")
+SKIES = (
+    "clear_sky", "clear_sky_at", "cloudy_sky", "overcast_sky", "cie_sky", "natural_sky",
+    "natural_sky_at", "moonlit_sky", "night_sky", "uniform_sky", "lamps",
+)  # fmt: skip
 # What else a world is told of its light.
 _OF_WORLD = ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
 _BANDS = "bands"
