@@ -1,4 +1,5 @@
 from . import (
+    colour_vision,
     columns,
     compat,
     datasets,
@@ -46,6 +47,7 @@ __all__ = [
     "ToError",
     "World",
     "__version__",
+    "colour_vision",
     "columns",
     "compat",
     "datasets",

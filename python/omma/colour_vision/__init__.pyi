@@ -1,0 +1,43 @@
+from .catches import von_kries
+from .contrast import michelson_contrast, weber_contrast
+from .noise_limited import (
+    achromatic_distance,
+    class_noise,
+    noise_limited_coordinates,
+    noise_limited_distance,
+)
+from .ideal_observer import d_prime, proportion_correct
+from .spaces import (
+    TetrahedralColour,
+    excitations,
+    fly_category,
+    fly_opponents,
+    hexagon,
+    hexagon_contrast,
+    hexagon_hue_deg,
+    hexagon_sector,
+    maxwell_triangle,
+    tetrahedron,
+)
+
+__all__ = [
+    "TetrahedralColour",
+    "achromatic_distance",
+    "class_noise",
+    "d_prime",
+    "excitations",
+    "fly_category",
+    "fly_opponents",
+    "hexagon",
+    "hexagon_contrast",
+    "hexagon_hue_deg",
+    "hexagon_sector",
+    "maxwell_triangle",
+    "michelson_contrast",
+    "noise_limited_coordinates",
+    "noise_limited_distance",
+    "proportion_correct",
+    "tetrahedron",
+    "von_kries",
+    "weber_contrast",
+]
