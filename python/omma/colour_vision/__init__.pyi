@@ -1,5 +1,6 @@
 from .catches import von_kries
 from .contrast import michelson_contrast, weber_contrast
+from .detection import Detection, detect
 from .noise_limited import (
     achromatic_distance,
     class_noise,
@@ -7,6 +8,7 @@ from .noise_limited import (
     noise_limited_distance,
 )
 from .ideal_observer import d_prime, proportion_correct
+from .observer import Observer
 from .spaces import (
     TetrahedralColour,
     excitations,
@@ -19,12 +21,17 @@ from .spaces import (
     maxwell_triangle,
     tetrahedron,
 )
+from .targets import DiscTarget
 
 __all__ = [
+    "Detection",
+    "DiscTarget",
+    "Observer",
     "TetrahedralColour",
     "achromatic_distance",
     "class_noise",
     "d_prime",
+    "detect",
     "excitations",
     "fly_category",
     "fly_opponents",

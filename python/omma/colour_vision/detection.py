@@ -1,0 +1,152 @@
+"""From how far an animal tells a target from what surrounds it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked
+from omma.base.values import value_class
+from omma.colour_vision.observer import Decision, Observer
+from omma.colour_vision.targets import DiscSeen, DiscTarget, DiscView
+from omma.light.lights import Light
+from omma.rendering.settings import Fixed
+
+# Rays by which a distance is looked for, to a factor of two, and then until its standard error is
+# small enough.
+_FIRST, _MORE = Fixed(64), (Fixed(256), Fixed(2048), Fixed(16384))
+_ENOUGH = 0.005
+# How near the two distances come between which the answer is taken as on a straight line, and how
+# far apart those are from which its error follows.
+_CLOSE, _STEP = 1.002, 1.1
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Detection:
+    """From how far a target is detected, as `detect` finds it.
+
+    Attributes:
+        distance_m: between target and head, where the criterion is just reached; 0 where it is not
+            even at the nearest distance, infinite where it still is at the farthest.
+        standard_error_m: of that, from the rays; NaN where there is no such distance.
+        diameter_rad: angular diameter of the target there.
+    """
+
+    distance_m: float
+    standard_error_m: float
+    diameter_rad: float
+
+
+@checked
+def detect(
+    eye: Eye,
+    target: DiscTarget,
+    light: Light,
+    observer: Observer | None = None,
+    *,
+    between_m: Sequence[float] = (0.01, 1000.0),
+    sampling: Fixed | None = None,
+    seed: int = 0,
+) -> Detection:
+    """From how far an animal tells a target from what surrounds it, with an error bar.
+
+    The target is rendered for the eye at distances between which the answer is found by bisection,
+    always by the same rays. Near the target more ommatidia see it, each more of it; so what is told
+    falls with the distance. The observer is ideal: it knows where the target would be, how large it
+    is and of what colour. Animals are worse, and need contrast for other reasons too
+    (docs/colours.md).
+
+    Args:
+        eye: an animal's, with receptors of which catches are known (`photon_catch`).
+        target: what there is to detect.
+        light: what it is lit by, in photons.
+        observer: by what it is decided; None: `Observer()`.
+        between_m: nearest and farthest distance that is looked at; at most 100,000 diameters.
+        sampling: rays of an ommatidium, in each of 8 scrambles. None: 256, more until the standard
+            error is half a percent of the distance, 16,384 at most. A target that fills a share f
+            of the acceptance is met by f of them.
+        seed: of the rays.
+
+    Example:
+        >>> eye = omma.species.honeybee_worker().eye
+        >>> spot = omma.colour_vision.DiscTarget(0.02, reflectance=0.02, background=0.2)
+        >>> green = omma.colour_vision.Observer(receptors=("green",), criterion=5.0)
+        >>> bright, dim = omma.light.uniform_sky(1e17), omma.light.uniform_sky(1e14)
+        >>> by_day = omma.detect(eye, spot, bright, green)
+        >>> by_day.distance_m > 3 * omma.detect(eye, spot, dim, green).distance_m
+        True
+
+    Raises:
+        omma.Error: an argument out of its range, an eye of which catches are not known, receptors
+            or noise that the eye does not have, colour in ommatidia that lack a class.
+    """
+    observer = Observer() if observer is None else observer
+    near, far = _ends(between_m)
+    view = DiscView(eye, target, light, observer.direction(), observer.integration_time_s)
+    decision = Decision(eye, observer)
+    far = min(far, view.farthest_m())
+    if near >= far:
+        raise Error(
+            f"between_m: expected to begin before {far:g} m, 100,000 diameters of the target"
+        )
+
+    def by(rays: Fixed, nearest_m: float) -> DiscSeen:
+        return view.through(decision.ommatidia(view, nearest_m), rays, seed)
+
+    def told(seen_by: DiscSeen, distance_m: float) -> bool:
+        return decision.value(seen_by, distance_m)[0] >= observer.criterion
+
+    low = near
+    while 2 * low < far and told(by(_FIRST, 2 * low), 2 * low):
+        low *= 2
+    found = error = 0.0
+    for rays in _MORE if sampling is None else (sampling,):
+        seen_by = by(rays, low)
+        # Fewer rays may have missed the target, or met too much of it.
+        while not told(seen_by, low):
+            if low <= near:
+                return Detection(0.0, math.nan, _diameter_rad(target, near))
+            low = max(low / 2, near)
+            seen_by = by(rays, low)
+        high = min(2 * low, far)
+        while told(seen_by, high):
+            if high >= far:
+                return Detection(math.inf, math.nan, _diameter_rad(target, far))
+            low, high = high, min(2 * high, far)
+        found, error = _between(decision, seen_by, low, high)
+        if error <= _ENOUGH * found:
+            break
+        low = max(found / math.sqrt(2), near)
+    return Detection(found, error, _diameter_rad(target, found))
+
+
+def _between(decision: Decision, seen_by: DiscSeen, low: float, high: float) -> tuple[float, float]:
+    """Where between two distances the criterion is reached, and the standard error of that."""
+    criterion = decision.criterion
+    above, below = (decision.value(seen_by, one)[0] for one in (low, high))
+    while high / low > _CLOSE:
+        middle = math.sqrt(low * high)
+        value = decision.value(seen_by, middle)[0]
+        if value >= criterion:
+            low, above = middle, value
+        else:
+            high, below = middle, value
+    found = low * (high / low) ** ((above - criterion) / (above - below))
+    error = decision.value(seen_by, found)[1]
+    near, far = (decision.value(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
+    slope = (near - far) / (2 * math.log(_STEP))
+    return found, found * error / slope if slope > 0 else math.inf
+
+
+def _ends(between_m: Sequence[float]) -> tuple[float, float]:
+    ends = array_of(between_m, "between_m", (2,))
+    if not (0 < ends[0] < ends[1] <= 1e9 and ends[0] >= 1e-9):
+        raise Error(f"between_m: expected two ascending distances from 1e-9 to 1e9 m, found {ends}")
+    return float(ends[0]), float(ends[1])
+
+
+def _diameter_rad(target: DiscTarget, distance_m: float) -> float:
+    return 2 * math.atan2(target.diameter_m / 2, distance_m)
