@@ -200,6 +200,7 @@ def test_the_background_lies_in_the_middle():
     seen = np.array([[3.0, 5.0, 9.0]])
     adapted = cv.von_kries(seen, seen[0])
     assert cv.hexagon(cv.excitations(adapted)).tolist() == [[0, 0]]
+    assert cv.hexagon_sector([[0.0, 0.0], [0.0, 0.1]]).tolist() == ["uncoloured", "blue"]
     assert cv.maxwell_triangle(adapted).tolist() == [[0, 0]]
     middle = cv.tetrahedron([2.0] * 4)
     assert middle.chroma == 0

@@ -10,7 +10,7 @@ import omma
 from omma.colour_vision import DiscTarget, Observer
 
 WIDTH_RAD = math.radians(2.6)
-LIGHT = omma.light.uniform_sky(1e16)
+LIGHT, BRIGHT = omma.light.uniform_sky(1e16), omma.light.uniform_sky(3e18)
 
 
 def bee(axes=((0.0, 0.0, -1.0),), width_rad=WIDTH_RAD):
@@ -57,8 +57,9 @@ def agrees(found, distance_m):
     )
 
 
-@pytest.mark.parametrize(("dark", "light"), [(0.02, 0.3), (0.6, 0.2), (0.0, 0.5)])
-@pytest.mark.parametrize("criterion", [1.0, 5.0])
+@pytest.mark.parametrize(
+    ("dark", "light", "criterion"), [(0.02, 0.3, 1.0), (0.6, 0.2, 5.0), (0.0, 0.5, 5.0)]
+)
 def test_one_ommatidium_by_photons(dark, light, criterion):
     eye, time_s, dark_per_s = bee(), 0.03, 200.0
     ground, disc = (catches(eye, one, time_s)[2] for one in (light, dark))
@@ -108,6 +109,19 @@ def test_one_ommatidium_by_colour():
     agrees(found, root(lambda d: apart(d) - 2, 0.01, 1000))
 
 
+def test_one_ommatidium_by_one_receptor():
+    eye = bee()
+    ground, disc = (catches(eye, one, 0.03)[2] for one in (0.3, 0.1))
+
+    def apart(distance_m):
+        seen = ground + (disc - ground) * share(distance_m, 0.01)
+        return omma.colour_vision.achromatic_distance(seen, ground, 0.05, photon_noise=True)
+
+    observer = Observer(by="achromatic", receptors=("green",), noise=(0.2, 0.2, 0.05), ommatidia=1)
+    found = omma.detect(eye, DiscTarget(0.02, 0.1, 0.3), LIGHT, observer)
+    agrees(found, root(lambda d: apart(d) - 1, 0.01, 1000))
+
+
 def test_a_lattice_sums_over_what_its_ommatidia_see():
     width = math.radians(4)
     tilt = math.radians(3)
@@ -140,13 +154,14 @@ def test_a_lattice_sums_over_what_its_ommatidia_see():
 
 def test_an_eye_of_an_animal():
     eye = omma.species.honeybee_worker().eye
-    eye = eye.take(np.flatnonzero(eye.axis[:, 2] < -0.8))  # that are within 37° of ahead
+    eye = eye.take(np.flatnonzero(eye.axis[:, 2] < -0.96))  # that are within 16° of ahead
     green = Observer(receptors=("green",), criterion=5.0)
     dim = omma.light.uniform_sky(1e14)
 
     def detect(diameter_m, light, seed=0):
         spot = DiscTarget(diameter_m, 0.02, 0.2)
-        return omma.detect(eye, spot, light, green, sampling=omma.Fixed(512), seed=seed)
+        few = omma.Fixed(256)
+        return omma.detect(eye, spot, light, green, between_m=(0.2, 50), sampling=few, seed=seed)
 
     small = detect(0.02, dim)
     assert detect(0.02, LIGHT).distance_m > 2 * small.distance_m > 0
@@ -166,15 +181,40 @@ def test_where_the_target_is_kept():
     eye = bee([(0.0, 0.0, -1.0), (math.sqrt(0.5), 0.0, -math.sqrt(0.5)), (0.0, 1.0, 0.0)])
     target = DiscTarget(0.02, 0.02, 0.3)
     there = [
-        omma.detect(eye, target, LIGHT, Observer(azimuth_deg=azimuth, elevation_deg=elevation))
+        omma.detect(
+            eye,
+            target,
+            LIGHT,
+            Observer(azimuth_deg=azimuth, elevation_deg=elevation),
+            sampling=omma.Fixed(512),
+        )
         for azimuth, elevation in ((0, 0), (45, 0), (0, 90))
     ]
     for one in there:
         error = math.hypot(one.standard_error_m, there[0].standard_error_m)
         assert one.distance_m == pytest.approx(there[0].distance_m, abs=4 * error)
     # Two widths beside all axes it is not seen but from near.
-    beside = omma.detect(eye, target, LIGHT, Observer(azimuth_deg=5.2))
+    aside = Observer(azimuth_deg=5.2)
+    beside = omma.detect(eye, target, LIGHT, aside, sampling=omma.Fixed(512))
     assert 0 < beside.distance_m < 0.5 * there[0].distance_m
+
+
+def test_targets_that_few_rays_meet():
+    # In bright light d' is 1 where the disc fills 3e-4 of the acceptance: 256 rays meet it by luck.
+    eye = bee()
+    ground, disc = (catches(eye, one, 0.03, BRIGHT)[2] for one in (0.1, 0.4))
+
+    def d_prime(distance_m):
+        more = (disc - ground) * share(distance_m, 0.015)
+        return more / math.sqrt(ground + more / 2)
+
+    observer = Observer(receptors=("green",))
+    for seed in range(2):
+        found = omma.detect(eye, DiscTarget(0.03, 0.4, 0.1), BRIGHT, observer, seed=seed)
+        expected = root(lambda d: d_prime(d) - 1, 0.01, 1000)
+        assert share(expected, 0.015) < 1e-3
+        assert found.distance_m == pytest.approx(expected, abs=4 * found.standard_error_m)
+        assert 0 < found.standard_error_m < 0.1 * expected
 
 
 def test_what_is_never_and_what_is_always_told():
@@ -199,9 +239,10 @@ def test_what_is_never_and_what_is_always_told():
             "background: expected 0 to 1, found 2",
         ),
         (lambda: DiscTarget(0.1, 0.1, 0.1, (0, 0, 0)), "facing: expected a direction"),
-        (lambda: Observer(by="sound"), "by: expected one of photons, colour"),
+        (lambda: Observer(by="sound"), "by: expected one of photons, achromatic, colour"),
         (lambda: Observer(criterion=0), "criterion: expected a number above 0"),
         (lambda: Observer(receptors="green"), "receptors: expected a sequence of names"),
+        (lambda: Observer(by="achromatic"), "receptors: expected the one that is achromatic"),
         (lambda: Observer(noise=(0.1, -1)), "noise: expected finite numbers above 0"),
         (
             lambda: omma.detect(bee(), DiscTarget(1, 0, 1), LIGHT, Observer(receptors=("red",))),

@@ -18,6 +18,8 @@ from omma.rendering.settings import Fixed
 # small enough.
 _FIRST, _MORE = Fixed(64), (Fixed(256), Fixed(2048), Fixed(16384))
 _ENOUGH = 0.005
+# By how many standard errors a target is told, or not, at the end of where it is looked for.
+_SURE = 4
 # How near the two distances come between which the answer is taken as on a straight line, and how
 # far apart those are from which its error follows.
 _CLOSE, _STEP = 1.002, 1.1
@@ -31,7 +33,8 @@ class Detection:
     Attributes:
         distance_m: between target and head, where the criterion is just reached; 0 where it is not
             even at the nearest distance, infinite where it still is at the farthest.
-        standard_error_m: of that, from the rays; NaN where there is no such distance.
+        standard_error_m: of that, from the rays; NaN where there is no such distance, infinite
+            where too few rays meet the target there.
         diameter_rad: angular diameter of the target there.
     """
 
@@ -96,49 +99,48 @@ def detect(
     def by(rays: Fixed, nearest_m: float) -> DiscSeen:
         return view.through(decision.ommatidia(view, nearest_m), rays, seed)
 
-    def told(seen_by: DiscSeen, distance_m: float) -> bool:
-        return decision.value(seen_by, distance_m)[0] >= observer.criterion
-
     low = near
-    while 2 * low < far and told(by(_FIRST, 2 * low), 2 * low):
+    while 2 * low < far and decision.excess(by(_FIRST, 2 * low), 2 * low)[0] >= 0:
         low *= 2
-    found = error = 0.0
+    found, error = 0.0, math.nan
     for rays in _MORE if sampling is None else (sampling,):
         seen_by = by(rays, low)
         # Fewer rays may have missed the target, or met too much of it.
-        while not told(seen_by, low):
-            if low <= near:
-                return Detection(0.0, math.nan, _diameter_rad(target, near))
+        while (excess := decision.excess(seen_by, low))[0] < 0 and low > near:
             low = max(low / 2, near)
             seen_by = by(rays, low)
-        high = min(2 * low, far)
-        while told(seen_by, high):
-            if high >= far:
-                return Detection(math.inf, math.nan, _diameter_rad(target, far))
-            low, high = high, min(2 * high, far)
-        found, error = _between(decision, seen_by, low, high)
-        if error <= _ENOUGH * found:
+        high = low
+        if excess[0] < 0:
+            found, error = 0.0, math.nan
+        else:
+            while (excess := decision.excess(seen_by, high))[0] >= 0 and high < far:
+                low, high = high, min(2 * high, far)
+            if excess[0] >= 0:
+                found, error = math.inf, math.nan
+            else:
+                found, error = _between(decision, seen_by, low, high)
+        if (math.isnan(error) and abs(excess[0]) > _SURE * excess[1]) or error <= _ENOUGH * found:
             break
-        low = max(found / math.sqrt(2), near)
-    return Detection(found, error, _diameter_rad(target, found))
+        low = min(max(found / math.sqrt(2), near), far / 2)
+    return Detection(found, error, _diameter_rad(target, min(max(found, near), far)))
 
 
 def _between(decision: Decision, seen_by: DiscSeen, low: float, high: float) -> tuple[float, float]:
     """Where between two distances the criterion is reached, and the standard error of that."""
-    criterion = decision.criterion
-    above, below = (decision.value(seen_by, one)[0] for one in (low, high))
+    above, below = (decision.excess(seen_by, one)[0] for one in (low, high))
     while high / low > _CLOSE:
         middle = math.sqrt(low * high)
-        value = decision.value(seen_by, middle)[0]
-        if value >= criterion:
+        value = decision.excess(seen_by, middle)[0]
+        if value >= 0:
             low, above = middle, value
         else:
             high, below = middle, value
-    found = low * (high / low) ** ((above - criterion) / (above - below))
-    error = decision.value(seen_by, found)[1]
-    near, far = (decision.value(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
+    found = low * (high / low) ** (above / (above - below))
+    error = decision.excess(seen_by, found)[1]
+    near, far = (decision.excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
     slope = (near - far) / (2 * math.log(_STEP))
-    return found, found * error / slope if slope > 0 else math.inf
+    # Where no ray meets the target any more there is no error to see.
+    return found, found * error / slope if slope > 0 and error > 0 else math.inf
 
 
 def _ends(between_m: Sequence[float]) -> tuple[float, float]:

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
 from omma.base.values import value_class
-from omma.colour_vision.noise_limited import noise_limited_distance
+from omma.colour_vision.noise_limited import achromatic_distance, noise_limited_distance
 from omma.colour_vision.targets import DiscSeen, DiscView, Seen
 from omma.receptors.sensitivity import ommatidium_of_receptor
 
 Floats = NDArray[np.float64]
 
-By = Literal["photons", "colour"]
+By = Literal["photons", "achromatic", "colour"]
 
 # By how much of itself a sum of photons is changed, for the slope of a distance by it.
 _STEP = 1e-4
@@ -36,14 +36,16 @@ class Observer:
         by: "photons": an ideal observer who knows what to look for, d' over all receptors
             (`d_prime`). "colour": the distance by receptor noise between what a few ommatidia catch
             and what they would catch of the ground (`noise_limited_distance`, with photon noise).
+            "achromatic": the same of one receptor type (`achromatic_distance`).
         criterion: of d', or in just-noticeable differences.
         integration_time_s: over which photons are counted.
-        receptors: names of the receptor types that count for "photons", such as ("green",); ():
-            all of them.
+        receptors: names of the receptor types that count for "photons", such as ("green",), (): all
+            of them; for "achromatic" the one that does.
         dark_per_s: photons that each receptor counts in darkness.
-        noise: e of each receptor type of the eye for "colour", in their order, as `class_noise`
-            gives it; (): 0.1 of each.
-        ommatidia: over how many that look nearest to the target catches are summed for "colour".
+        noise: e of each receptor type of the eye, in their order, as `class_noise` gives it, for
+            all but "photons"; (): 0.1 of each.
+        ommatidia: over how many that look nearest to the target catches are summed, for all but
+            "photons".
         azimuth_deg, elevation_deg: where in the head's field the target is kept.
 
     Raises:
@@ -61,7 +63,7 @@ class Observer:
     elevation_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        one_of(self.by, ("photons", "colour"), "by")
+        one_of(self.by, ("photons", "achromatic", "colour"), "by")
         for name in ("criterion", "integration_time_s"):
             object.__setattr__(self, name, positive(getattr(self, name), name))
         for name, low, high in (
@@ -79,6 +81,8 @@ class Observer:
         ):
             raise Error(f"receptors: expected a sequence of names, found {names!r:.40}")
         object.__setattr__(self, "receptors", tuple(names))
+        if self.by == "achromatic" and len(names) != 1:
+            raise Error(f"receptors: expected the one that is achromatic, found {tuple(names)}")
         noise = array_of(self.noise, "noise", (None,))
         if not np.all((noise > 0) & (noise < 1e9)):
             raise Error("noise: expected finite numbers above 0")
@@ -98,7 +102,6 @@ class Decision:
 
     def __init__(self, eye: Eye, observer: Observer) -> None:
         self._observer = observer
-        self.criterion = observer.criterion
         names = [one.name for one in eye.receptor_types]
         for name in observer.receptors:
             one_of(name, names, "receptors")
@@ -114,22 +117,23 @@ class Decision:
 
     def ommatidia(self, view: DiscView, nearest_m: float) -> NDArray[np.intp]:
         """Whose responses count, at this distance and beyond."""
-        if self._observer.by == "colour":
+        if self._observer.by != "photons":
             return view.nearest(self._observer.ommatidia)
         return view.reached(nearest_m)
 
-    def value(self, target: DiscSeen, distance_m: float) -> tuple[float, float]:
-        """d' or the distance of colours at a distance, and its standard error from the rays."""
+    def excess(self, target: DiscSeen, distance_m: float) -> tuple[float, float]:
+        """By how much d' or the distance of colours is more than the criterion at a distance, and
+        its standard error from the rays."""
         seen = target.at(distance_m)
         found, slope = self._told(target.eye, seen)
         # Receptors of an ommatidium share its rays, and err together.
         together = np.bincount(ommatidium_of_receptor(target.eye), slope * seen.error)
-        return found, float(np.sqrt(np.sum(together**2)))
+        return found - self._observer.criterion, float(np.sqrt(np.sum(together**2)))
 
     def _told(self, eye: Eye, seen: Seen) -> tuple[float, Floats]:
         """What is told, and how it changes with what the target adds to each receptor."""
-        if self._observer.by == "colour":
-            return self._colour(eye.receptor_type, seen)
+        if self._observer.by != "photons":
+            return self._noise_limited(eye.receptor_type, seen)
         dark = self._observer.dark_per_s * self._observer.integration_time_s
         counts = self._counts[eye.receptor_type]
         variance = seen.background + seen.added / 2 + dark
@@ -140,12 +144,13 @@ class Decision:
         slope = seen.added / safe - (seen.added / safe) ** 2 / 4
         return found, np.where(counts, slope, 0.0) / (found or math.inf)
 
-    def _colour(self, types: NDArray[np.integer], seen: Seen) -> tuple[float, Floats]:
+    def _noise_limited(self, types: NDArray[np.integer], seen: Seen) -> tuple[float, Floats]:
         """Of catches summed by receptor type."""
         count = len(self._names)
         ground: Floats = np.bincount(types, seen.background, minlength=count).astype(np.float64)
         added: Floats = np.bincount(types, seen.added, minlength=count).astype(np.float64)
-        for name, photons in zip(self._names, ground, strict=True):
+        used = np.full(count, True) if self._observer.by == "colour" else self._counts
+        for name, photons in zip(np.array(self._names)[used], ground[used], strict=True):
             if not photons > 0:
                 raise Error(
                     f"ommatidia: expected photons of the ground in every receptor type, found none "
@@ -157,10 +162,13 @@ class Decision:
 
         def distance(more: Floats) -> Floats:
             # A target that gives no light at all has no logarithm.
-            seen = np.maximum(ground + more, 1e-9 * ground)
-            return noise_limited_distance(seen, ground, self._noise, photon_noise=True)
+            seen = np.maximum(ground + more, 1e-9 * ground)[..., used]
+            if self._observer.by == "colour":
+                return noise_limited_distance(seen, ground, self._noise, photon_noise=True)
+            noise = float(self._noise[used][0])
+            return achromatic_distance(seen[..., 0], ground[used][0], noise, photon_noise=True)
 
         found = float(distance(added))
         step = _STEP * ground * np.eye(count)
         slope = (distance(added + step) - distance(added - step)) / (2 * _STEP * ground)
-        return found, slope[types]
+        return found, np.where(used, slope, 0.0)[types]

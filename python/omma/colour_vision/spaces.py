@@ -118,7 +118,8 @@ def hexagon_hue_deg(loci: ArrayLike) -> Floats:
 @checked
 def hexagon_sector(loci: ArrayLike) -> NDArray[np.str_]:
     """The colour of loci (..., 2) for bees, in six sectors of 60° around the corners: texts (...),
-    "blue", "blue-green", "green", "UV-green", "UV" and "UV-blue" (Chittka et al. 1994).
+    "blue", "blue-green", "green", "UV-green", "UV" and "UV-blue" (Chittka et al. 1994);
+    "uncoloured" in the very middle.
 
     Example:
         >>> omma.colour_vision.hexagon_sector([[0, 1], [0, -1]]).tolist()
@@ -127,8 +128,10 @@ def hexagon_sector(loci: ArrayLike) -> NDArray[np.str_]:
     Raises:
         omma.Error: loci that are not finite or not two numbers.
     """
-    sector = np.floor(hexagon_hue_deg(loci) / 60 + 0.5).astype(int) % 6
-    return np.asarray(_SECTORS[sector])
+    hue = hexagon_hue_deg(loci)
+    sector = np.floor(hue / 60 + 0.5).astype(int) % 6
+    coloured = np.any(array_of(loci, "loci") != 0, axis=-1)
+    return np.where(coloured, _SECTORS[sector], "uncoloured")
 
 
 @checked
