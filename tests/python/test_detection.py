@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import omma
-from omma.colour_vision import DiscTarget, Observer
+from omma.colour_vision import DiscTarget, Observer, SceneTarget
 
 WIDTH_RAD = math.radians(2.6)
-LIGHT, BRIGHT = omma.light.uniform_sky(1e16), omma.light.uniform_sky(3e18)
+DIM, LIGHT, BRIGHT = (omma.light.uniform_sky(radiance) for radiance in (1e13, 1e16, 3e18))
 
 
 def bee(axes=((0.0, 0.0, -1.0),), width_rad=WIDTH_RAD):
@@ -199,6 +199,45 @@ def test_where_the_target_is_kept():
     assert 0 < beside.distance_m < 0.5 * there[0].distance_m
 
 
+def matte(shape, reflectance):
+    """A thing of one material that scatters light alike from 300 to 700 nm, and has no gloss."""
+    grey = omma.light.Spectrum([300, 700], [reflectance] * 2)
+    return shape.replace(
+        materials=[one.replace(reflectance=grey, specular=0.0) for one in shape.materials]
+    )
+
+
+def test_a_disc_in_a_scene_is_a_disc():
+    # The same as of reflectances, in light that is the same from everywhere: but for the millimetre
+    # between disc and wall, through which some of the wall's light comes and goes.
+    eye = bee()
+    wall = matte(omma.scene.plane((4, 4), facing=(0, 0, 1), center_m=(0, 0, -1e-3)), 0.1)
+    disc = matte(omma.scene.disc(0.05, segments=512), 0.4)
+    target = SceneTarget(omma.scene.merge_scenes([wall, disc]), wall, 0.1)
+    ground, on_disc = (catches(eye, one, 0.03, DIM)[2] for one in (0.1, 0.4))
+
+    def d_prime(distance_m):
+        more = (on_disc - ground) * share(distance_m, 0.05)
+        return more / math.sqrt(ground + more / 2)
+
+    few = omma.Fixed(512)
+    observer = Observer(receptors=("green",), criterion=2.0)
+    found = omma.detect(eye, target, DIM, observer, between_m=(0.5, 8), sampling=few)
+    agrees(found, root(lambda d: d_prime(d) - 2, 0.01, 1000))
+    # Seen from elsewhere, and elsewhere, it is the same.
+    turned, moved = omma.look_at((0, 0, 0), (1, -1, 0)), (1.0, 2.0, 3.0)
+    turned[:3, 3] = moved
+    there = SceneTarget(
+        omma.scene.place_scene(target.scene, turned),
+        omma.scene.place_scene(wall, turned),
+        0.1,
+        moved,
+        turned[:3, 2],
+    )
+    again = omma.detect(eye, there, DIM, observer, between_m=(0.5, 8), sampling=few)
+    agrees(again, root(lambda d: d_prime(d) - 2, 0.01, 1000))
+
+
 def test_targets_that_few_rays_meet():
     # In bright light d' is 1 where the disc fills 3e-4 of the acceptance: 256 rays meet it by luck.
     eye = bee()
@@ -239,6 +278,15 @@ def test_what_is_never_and_what_is_always_told():
             "background: expected 0 to 1, found 2",
         ),
         (lambda: DiscTarget(0.1, 0.1, 0.1, (0, 0, 0)), "facing: expected a direction"),
+        (lambda: SceneTarget(omma.Scene(), omma.Scene(), -1), "diameter_m: expected a number"),
+        (
+            lambda: SceneTarget(omma.Scene(), omma.Scene(), 1, towards=(0, 0, 0)),
+            "towards: expected a direction",
+        ),
+        (
+            lambda: SceneTarget(omma.Scene(), omma.Scene(), 1, (0, 0, np.inf)),
+            "center_m: expected three finite numbers",
+        ),
         (lambda: Observer(by="sound"), "by: expected one of photons, achromatic, colour"),
         (lambda: Observer(criterion=0), "criterion: expected a number above 0"),
         (lambda: Observer(receptors="green"), "receptors: expected a sequence of names"),

@@ -315,6 +315,7 @@ def public_calls(folder):
         "class_noise": (0.1, [1, 2, 2]),
         "d_prime": ([110.0, 90.0], [90.0, 90.0]),
         "DiscTarget": (0.02, 0.1, 0.3),
+        "SceneTarget": (scene, scene, 0.1),
         "Observer": (),
         "detect": {
             "eye": bee.replace(facet_diameter_m=np.full(24, 2e-5)),

@@ -186,6 +186,7 @@ _OWN = {
     "ReceptorType": "omma.receptors.ReceptorType",
     "Renderer": "omma.Renderer",
     "Scene": "omma.Scene",
+    "SceneTarget": "omma.colour_vision.SceneTarget",
     "SpeedTest": "omma.study.SpeedTest",
     "Species": "omma.species.Species",
     "Surface": "a surface as of omma.eye.surfaces.ellipsoid",

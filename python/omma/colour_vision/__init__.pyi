@@ -21,12 +21,13 @@ from .spaces import (
     maxwell_triangle,
     tetrahedron,
 )
-from .targets import DiscTarget
+from .targets import DiscTarget, SceneTarget
 
 __all__ = [
     "Detection",
     "DiscTarget",
     "Observer",
+    "SceneTarget",
     "TetrahedralColour",
     "achromatic_distance",
     "class_noise",

@@ -9,8 +9,11 @@ from dataclasses import dataclass
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.values import value_class
+from omma.colour_vision.disc_views import DiscView
 from omma.colour_vision.observer import Decision, Observer
-from omma.colour_vision.targets import DiscSeen, DiscTarget, DiscView
+from omma.colour_vision.scene_views import SceneView
+from omma.colour_vision.targets import DiscTarget, SceneTarget
+from omma.colour_vision.views import Looking, View
 from omma.light.lights import Light
 from omma.rendering.settings import Fixed
 
@@ -46,7 +49,7 @@ class Detection:
 @checked
 def detect(
     eye: Eye,
-    target: DiscTarget,
+    target: DiscTarget | SceneTarget,
     light: Light,
     observer: Observer | None = None,
     *,
@@ -56,11 +59,10 @@ def detect(
 ) -> Detection:
     """From how far an animal tells a target from what surrounds it, with an error bar.
 
-    The target is rendered for the eye at distances between which the answer is found by bisection,
-    always by the same rays. Near the target more ommatidia see it, each more of it; so what is told
-    falls with the distance. The observer is ideal: it knows where the target would be, how large it
-    is and of what colour. Animals are worse, and need contrast for other reasons too
-    (docs/colours.md).
+    A disc or a thing in a scene is rendered for the eye at distances between which the answer is
+    found by bisection, always by the same rays. Near the target more ommatidia see it, each more of
+    it, so that what is told falls with the distance. The observer is ideal: it knows where the
+    target would be, how large it is and of what colour. Animals are worse (docs/colours.md).
 
     Args:
         eye: an animal's, with receptors of which catches are known (`photon_catch`).
@@ -68,18 +70,18 @@ def detect(
         light: what it is lit by, in photons.
         observer: by what it is decided; None: `Observer()`.
         between_m: nearest and farthest distance that is looked at; at most 100,000 diameters.
-        sampling: rays of an ommatidium, in each of 8 scrambles. None: 256, more until the standard
+        sampling: rays of an ommatidium, in each of 8 sets. None: 256, more until the standard
             error is half a percent of the distance, 16,384 at most. A target that fills a share f
             of the acceptance is met by f of them.
         seed: of the rays.
 
     Example:
         >>> eye = omma.species.honeybee_worker().eye
+        >>> ahead = eye.take(np.flatnonzero(eye.axis[:, 2] < -0.9))
         >>> spot = omma.colour_vision.DiscTarget(0.02, reflectance=0.02, background=0.2)
         >>> green = omma.colour_vision.Observer(receptors=("green",), criterion=5.0)
-        >>> bright, dim = omma.light.uniform_sky(1e17), omma.light.uniform_sky(1e14)
-        >>> by_day = omma.detect(eye, spot, bright, green)
-        >>> by_day.distance_m > 3 * omma.detect(eye, spot, dim, green).distance_m
+        >>> found = omma.detect(ahead, spot, omma.light.uniform_sky(1e14), green)
+        >>> 0.9 < found.distance_m < 1.0
         True
 
     Raises:
@@ -88,7 +90,12 @@ def detect(
     """
     observer = Observer() if observer is None else observer
     near, far = _ends(between_m)
-    view = DiscView(eye, target, light, observer.direction(), observer.integration_time_s)
+    seen_as = light, observer.direction(), observer.integration_time_s
+    view: View
+    if isinstance(target, DiscTarget):
+        view = DiscView(eye, target, *seen_as)
+    else:
+        view = SceneView(eye, target, *seen_as)
     decision = Decision(eye, observer)
     far = min(far, view.farthest_m())
     if near >= far:
@@ -96,7 +103,7 @@ def detect(
             f"between_m: expected to begin before {far:g} m, 100,000 diameters of the target"
         )
 
-    def by(rays: Fixed, nearest_m: float) -> DiscSeen:
+    def by(rays: Fixed, nearest_m: float) -> Looking:
         return view.through(decision.ommatidia(view, nearest_m), rays, seed)
 
     low = near
@@ -125,7 +132,7 @@ def detect(
     return Detection(found, error, _diameter_rad(target, min(max(found, near), far)))
 
 
-def _between(decision: Decision, seen_by: DiscSeen, low: float, high: float) -> tuple[float, float]:
+def _between(decision: Decision, seen_by: Looking, low: float, high: float) -> tuple[float, float]:
     """Where between two distances the criterion is reached, and the standard error of that."""
     above, below = (decision.excess(seen_by, one)[0] for one in (low, high))
     while high / low > _CLOSE:
@@ -150,5 +157,5 @@ def _ends(between_m: Sequence[float]) -> tuple[float, float]:
     return float(ends[0]), float(ends[1])
 
 
-def _diameter_rad(target: DiscTarget, distance_m: float) -> float:
+def _diameter_rad(target: DiscTarget | SceneTarget, distance_m: float) -> float:
     return 2 * math.atan2(target.diameter_m / 2, distance_m)

@@ -16,7 +16,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
 from omma.base.values import value_class
 from omma.colour_vision.noise_limited import achromatic_distance, noise_limited_distance
-from omma.colour_vision.targets import DiscSeen, DiscView, Seen
+from omma.colour_vision.views import Looking, Seen, View
 from omma.receptors.sensitivity import ommatidium_of_receptor
 
 Floats = NDArray[np.float64]
@@ -115,13 +115,13 @@ class Decision:
         self._noise = np.array(observer.noise or [0.1] * len(names))
         self._names = names
 
-    def ommatidia(self, view: DiscView, nearest_m: float) -> NDArray[np.intp]:
+    def ommatidia(self, view: View, nearest_m: float) -> NDArray[np.intp]:
         """Whose responses count, at this distance and beyond."""
         if self._observer.by != "photons":
             return view.nearest(self._observer.ommatidia)
         return view.reached(nearest_m)
 
-    def excess(self, target: DiscSeen, distance_m: float) -> tuple[float, float]:
+    def excess(self, target: Looking, distance_m: float) -> tuple[float, float]:
         """By how much d' or the distance of colours is more than the criterion at a distance, and
         its standard error from the rays."""
         seen = target.at(distance_m)
