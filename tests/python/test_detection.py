@@ -256,13 +256,24 @@ def test_targets_that_few_rays_meet():
         assert 0 < found.standard_error_m < 0.1 * expected
 
 
+def test_too_few_rays_are_told():
+    eye, target = bee(), DiscTarget(0.03, 0.4, 0.1)
+    few = omma.detect(eye, target, BRIGHT, sampling=omma.Fixed(16))
+    assert few.standard_error_m == math.inf
+    # At 500 m it fills a millionth of the acceptance, and none of 128 rays meets it.
+    far = omma.detect(eye, target, BRIGHT, between_m=(500, 1000), sampling=omma.Fixed(16))
+    assert (far.distance_m, far.standard_error_m) == (0, math.inf)
+
+
 def test_what_is_never_and_what_is_always_told():
     eye = bee()
     same = omma.detect(eye, DiscTarget(0.02, 0.2, 0.2), LIGHT)
     assert same.distance_m == 0
     assert math.isnan(same.standard_error_m)
-    plain = omma.detect(eye, DiscTarget(0.02, 0.0, 0.2), LIGHT, between_m=(0.01, 0.1))
-    assert plain.distance_m == math.inf
+    for ends in ((0.01, 0.1), (0.07, 0.1)):
+        plain = omma.detect(eye, DiscTarget(0.02, 0.0, 0.2), LIGHT, between_m=ends)
+        assert plain.distance_m == math.inf
+        assert math.isnan(plain.standard_error_m)
     # A grey on a grey is no colour.
     by_colour = Observer(by="colour", ommatidia=1)
     assert omma.detect(eye, DiscTarget(0.02, 0.1, 0.5), LIGHT, by_colour).distance_m == 0

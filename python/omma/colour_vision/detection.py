@@ -117,18 +117,19 @@ def detect(
             low = max(low / 2, near)
             seen_by = by(rays, low)
         high = low
-        if excess[0] < 0:
-            found, error = 0.0, math.nan
+        while excess[0] >= 0 and high < far:
+            low, high = high, min(2 * high, far)
+            excess = decision.excess(seen_by, high)
+        if low < high and excess[0] < 0:
+            found, error = _between(decision, seen_by, low, high)
+            sure = error <= _ENOUGH * found
         else:
-            while (excess := decision.excess(seen_by, high))[0] >= 0 and high < far:
-                low, high = high, min(2 * high, far)
-            if excess[0] >= 0:
-                found, error = math.inf, math.nan
-            else:
-                found, error = _between(decision, seen_by, low, high)
-        if (math.isnan(error) and abs(excess[0]) > _SURE * excess[1]) or error <= _ENOUGH * found:
+            found = 0.0 if excess[0] < 0 else math.inf
+            error = math.nan if math.isfinite(excess[1]) else math.inf
+            sure = abs(excess[0]) > _SURE * excess[1]
+        if sure:
             break
-        low = min(max(found / math.sqrt(2), near), far / 2)
+        low = min(max(found / math.sqrt(2), near), max(far / 2, near))
     return Detection(found, error, _diameter_rad(target, min(max(found, near), far)))
 
 
@@ -146,8 +147,7 @@ def _between(decision: Decision, seen_by: Looking, low: float, high: float) -> t
     error = decision.excess(seen_by, found)[1]
     near, far = (decision.excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
     slope = (near - far) / (2 * math.log(_STEP))
-    # Where no ray meets the target any more there is no error to see.
-    return found, found * error / slope if slope > 0 and error > 0 else math.inf
+    return found, found * error / slope if slope > 0 else math.inf
 
 
 def _ends(between_m: Sequence[float]) -> tuple[float, float]:

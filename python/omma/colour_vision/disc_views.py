@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from omma._core import Background, Eye
 from omma.base.arguments import as_named
 from omma.colour_vision.targets import DiscTarget
-from omma.colour_vision.views import Seen, View
+from omma.colour_vision.views import Seen, View, met
 from omma.light.bands import Bands
 from omma.light.lights import Light
 from omma.light.spectrum import Spectrum
@@ -95,11 +95,12 @@ class DiscSeen:
             # disc by so much (`View.farthest_m`).
             warnings.simplefilter("ignore", RuntimeWarning)
             share, error = self._renderer.render_receptors(pose, matrix=ones, standard_error=True)
+        share, error = share[0].astype(np.float64), error[0].astype(np.float64)
+        same = not np.any(self._more)
         return Seen(
-            self._background,
-            self._more * share[0].astype(np.float64),
-            np.abs(self._more) * error[0].astype(np.float64),
-        )
+            self._background, self._more * share, np.abs(self._more) * error,
+            same or met(share, error),
+        )  # fmt: skip
 
 
 def _band_means(bands: Bands, reflectance: Spectrum | float, name: str) -> Floats:

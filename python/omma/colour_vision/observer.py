@@ -123,12 +123,13 @@ class Decision:
 
     def excess(self, target: Looking, distance_m: float) -> tuple[float, float]:
         """By how much d' or the distance of colours is more than the criterion at a distance, and
-        its standard error from the rays."""
+        its standard error from the rays; infinite, where they are too few to tell."""
         seen = target.at(distance_m)
         found, slope = self._told(target.eye, seen)
         # Receptors of an ommatidium share its rays, and err together.
         together = np.bincount(ommatidium_of_receptor(target.eye), slope * seen.error)
-        return found - self._observer.criterion, float(np.sqrt(np.sum(together**2)))
+        error = float(np.sqrt(np.sum(together**2))) if seen.enough else math.inf
+        return found - self._observer.criterion, error
 
     def _told(self, eye: Eye, seen: Seen) -> tuple[float, Floats]:
         """What is told, and how it changes with what the target adds to each receptor."""

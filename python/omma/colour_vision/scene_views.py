@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.colour_vision.targets import SceneTarget
-from omma.colour_vision.views import Seen, View
+from omma.colour_vision.views import Seen, View, met
 from omma.light.lights import Light
 from omma.receptors.catches import photon_catch
 from omma.rendering.renderer import Renderer
@@ -72,4 +72,5 @@ class SceneSeen:
         )
         more = with_it - without
         error = more.std(axis=0, ddof=1) / np.sqrt(_REPEATS)
-        return Seen(without.mean(axis=0), more.mean(axis=0), error)
+        added = more.mean(axis=0)
+        return Seen(without.mean(axis=0), added, error, met(added, error))

@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 
 # Widths of an acceptance beyond which it sees nothing: a Gaussian is 1e-11 there.
 _WIDTHS = 3.0
+# Relative error of what the target adds to a receptor from which on its rays are too few to say how
+# large it is: sixteen of them.
+_TOO_FEW = 0.25
 # Beyond so many diameters single precision would not have a target's edges in their places.
 _FARTHEST = 1e5
 
@@ -26,11 +29,18 @@ _FARTHEST = 1e5
 @dataclass(frozen=True, eq=False)
 class Seen:
     """Photons of each receptor (R,): without the target, and how many more there are with it; the
-    standard error of that, from the rays."""
+    standard error of that, from the rays. ``enough``: whether rays have met the target."""
 
     background: Floats
     added: Floats
     error: Floats
+    enough: bool
+
+
+def met(added: Floats, error: Floats) -> bool:
+    """Whether enough rays have met the target, by the receptor to which it adds most."""
+    most = int(np.argmax(np.abs(added)))
+    return bool(added[most] != 0 and error[most] <= _TOO_FEW * abs(added[most]))
 
 
 class Looking(Protocol):
