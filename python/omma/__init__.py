@@ -17,6 +17,7 @@ At the top is what a first hour needs; the rest is in subpackages, loaded when t
 
 - `omma.eye`: eyes made, changed, measured, read and written; `omma.species`: those of ten animals
 - `omma.receptors`, `omma.light`: sensitivities to wavelengths; bands
+- `omma.colour_vision`: colours as animals tell them apart, from how far they detect them
 - `omma.photoreceptors`: what receptors make of light in time, noise, adaptation
 - `omma.scene`, `omma.rendering`: worlds and their parts; the renderer and its reports
 - `omma.stimuli`: gratings, bars, looming discs, targets, dots, panoramas and LED arenas that move

@@ -1,4 +1,5 @@
 from . import (
+    colour_vision,
     columns,
     compat,
     datasets,
@@ -22,6 +23,7 @@ from . import (
 from ._core import Acceptance, Background, Error, Eye, Scene, __version__
 from .base.poses import load_poses, look_at, poses_from_angles, poses_from_quaternions
 from .base.velocities import velocities_from_poses
+from .colour_vision.detection import detect
 from .eye.files import load_eye, save_eye
 from .job.rendering import render_file
 from .picture.cameras import render_camera
@@ -46,9 +48,11 @@ __all__ = [
     "ToError",
     "World",
     "__version__",
+    "colour_vision",
     "columns",
     "compat",
     "datasets",
+    "detect",
     "examples",
     "eye",
     "gym",

@@ -42,8 +42,8 @@ def test_every_room_says_what_it_is_for(name):
 # From the lowest to the highest: a subpackage imports from those before it, and from itself.
 SUBPACKAGES = [
     "_core", "base", "light", "receptors", "photoreceptors", "eye", "scene", "stimuli",
-    "rendering", "motion", "species", "picture", "study", "job", "datasets", "gym", "mujoco",
-    "columns", "view", "cli",
+    "rendering", "motion", "species", "colour_vision", "picture", "study", "job", "datasets",
+    "gym", "mujoco", "columns", "view", "cli",
 ]  # fmt: skip
 
 

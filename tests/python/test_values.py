@@ -117,6 +117,11 @@ def examples(files, tmp_path_factory):
             columns := omma.columns.ColumnRenderer(scene, seven, seven_columns)
         ),
         "columns.PhotoreceptorTable": columns.render(np.eye(4)),
+        "colour_vision.Detection": omma.colour_vision.Detection(1.0, 0.1, 0.02),
+        "colour_vision.DiscTarget": omma.colour_vision.DiscTarget(0.02, 0.1, 0.3),
+        "colour_vision.Observer": omma.colour_vision.Observer("colour", noise=(0.1, 0.2)),
+        "colour_vision.SceneTarget": omma.colour_vision.SceneTarget(scene, scene, 0.1),
+        "colour_vision.TetrahedralColour": omma.colour_vision.tetrahedron([1.0, 2.0, 3.0, 4.0]),
         "gym.Loop": omma.gym.Loop(renderer, begun, begun, begun, None),
         "gym.Moment": omma.gym.Moment(1, 0, 2, np.eye(4), np.ones((3, 2), np.float32), 4),
         "job.AllCamerasReport": (
@@ -244,6 +249,7 @@ BY_IDENTITY = {
     "Population",
 }  # fmt: skip
 UNHASHABLE = {
+    "colour_vision.TetrahedralColour",
     "columns.Columns", "columns.PhotoreceptorTable", "datasets.Job", "datasets.Views", "gym.Moment",
     "eye.EyeMeasures", "eye.hexagonal.HexagonalCoordinates", "eye.lattice.Lattice",
     "eye.lattice.LatticeCheck", "eye.scans.LensConeEye", "eye.superposition.Wiring",

@@ -1,0 +1,161 @@
+"""From how far an animal tells a target from what surrounds it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from omma._core import Error, Eye
+from omma.base.arguments import array_of, checked
+from omma.base.values import value_class
+from omma.colour_vision.disc_views import DiscView
+from omma.colour_vision.observer import Decision, Observer
+from omma.colour_vision.scene_views import SceneView
+from omma.colour_vision.targets import DiscTarget, SceneTarget
+from omma.colour_vision.views import Looking, View
+from omma.light.lights import Light
+from omma.rendering.settings import Fixed
+
+# Rays by which a distance is looked for, to a factor of two, and then until its standard error is
+# small enough.
+_FIRST, _MORE = Fixed(64), (Fixed(256), Fixed(2048), Fixed(16384))
+_ENOUGH = 0.005
+# By how many standard errors a target is told, or not, at the end of where it is looked for.
+_SURE = 4
+# How near the two distances come between which the answer is taken as on a straight line, and how
+# far apart those are from which its error follows.
+_CLOSE, _STEP = 1.002, 1.1
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Detection:
+    """From how far a target is detected, as `detect` finds it.
+
+    Attributes:
+        distance_m: between target and head, where the criterion is just reached; 0 where it is not
+            even at the nearest distance, infinite where it still is at the farthest.
+        standard_error_m: of that, from the rays; NaN where there is no such distance, infinite
+            where too few rays meet the target there.
+        diameter_rad: angular diameter of the target there.
+    """
+
+    distance_m: float
+    standard_error_m: float
+    diameter_rad: float
+
+
+@checked
+def detect(
+    eye: Eye,
+    target: DiscTarget | SceneTarget,
+    light: Light,
+    observer: Observer | None = None,
+    *,
+    between_m: Sequence[float] = (0.01, 1000.0),
+    sampling: Fixed | None = None,
+    seed: int = 0,
+) -> Detection:
+    """From how far an animal tells a target from what surrounds it, with an error bar.
+
+    A disc or a thing in a scene is rendered for the eye at distances between which the answer is
+    found by bisection, always by the same rays. Near the target more ommatidia see it, each more of
+    it, so that what is told falls with the distance. The observer is ideal: it knows where the
+    target would be, how large it is and of what colour. Animals are worse (docs/colours.md).
+
+    Args:
+        eye: an animal's, with receptors of which catches are known (`photon_catch`).
+        target: what there is to detect.
+        light: what it is lit by, in photons.
+        observer: by what it is decided; None: `Observer()`.
+        between_m: nearest and farthest distance that is looked at; at most 100,000 diameters.
+        sampling: rays of an ommatidium, in each of 8 sets. None: 256, more until the standard
+            error is half a percent of the distance, 16,384 at most. A target that fills a share f
+            of the acceptance is met by f of them.
+        seed: of the rays.
+
+    Example:
+        >>> eye = omma.species.honeybee_worker().eye
+        >>> ahead = eye.take(np.flatnonzero(eye.axis[:, 2] < -0.9))
+        >>> spot = omma.colour_vision.DiscTarget(0.02, reflectance=0.02, background=0.2)
+        >>> green = omma.colour_vision.Observer(receptors=("green",), criterion=5.0)
+        >>> found = omma.detect(ahead, spot, omma.light.uniform_sky(1e14), green)
+        >>> 0.9 < found.distance_m < 1.0
+        True
+
+    Raises:
+        omma.Error: an argument out of its range, an eye of which catches are not known, receptors
+            or noise that the eye does not have, colour in ommatidia that lack a class.
+    """
+    observer = Observer() if observer is None else observer
+    near, far = _ends(between_m)
+    seen_as = light, observer.direction(), observer.integration_time_s
+    view: View
+    if isinstance(target, DiscTarget):
+        view = DiscView(eye, target, *seen_as)
+    else:
+        view = SceneView(eye, target, *seen_as)
+    decision = Decision(eye, observer)
+    far = min(far, view.farthest_m())
+    if near >= far:
+        raise Error(
+            f"between_m: expected to begin before {far:g} m, 100,000 diameters of the target"
+        )
+
+    def by(rays: Fixed, nearest_m: float) -> Looking:
+        return view.through(decision.ommatidia(view, nearest_m), rays, seed)
+
+    low = near
+    while 2 * low < far and decision.excess(by(_FIRST, 2 * low), 2 * low)[0] >= 0:
+        low *= 2
+    found, error = 0.0, math.nan
+    for rays in _MORE if sampling is None else (sampling,):
+        seen_by = by(rays, low)
+        # Fewer rays may have missed the target, or met too much of it.
+        while (excess := decision.excess(seen_by, low))[0] < 0 and low > near:
+            low = max(low / 2, near)
+            seen_by = by(rays, low)
+        high = low
+        while excess[0] >= 0 and high < far:
+            low, high = high, min(2 * high, far)
+            excess = decision.excess(seen_by, high)
+        if low < high and excess[0] < 0:
+            found, error = _between(decision, seen_by, low, high)
+            sure = error <= _ENOUGH * found
+        else:
+            found = 0.0 if excess[0] < 0 else math.inf
+            error = math.nan if math.isfinite(excess[1]) else math.inf
+            sure = abs(excess[0]) > _SURE * excess[1]
+        if sure:
+            break
+        low = min(max(found / math.sqrt(2), near), max(far / 2, near))
+    return Detection(found, error, _diameter_rad(target, min(max(found, near), far)))
+
+
+def _between(decision: Decision, seen_by: Looking, low: float, high: float) -> tuple[float, float]:
+    """Where between two distances the criterion is reached, and the standard error of that."""
+    above, below = (decision.excess(seen_by, one)[0] for one in (low, high))
+    while high / low > _CLOSE:
+        middle = math.sqrt(low * high)
+        value = decision.excess(seen_by, middle)[0]
+        if value >= 0:
+            low, above = middle, value
+        else:
+            high, below = middle, value
+    found = low * (high / low) ** (above / (above - below))
+    error = decision.excess(seen_by, found)[1]
+    near, far = (decision.excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
+    slope = (near - far) / (2 * math.log(_STEP))
+    return found, found * error / slope if slope > 0 else math.inf
+
+
+def _ends(between_m: Sequence[float]) -> tuple[float, float]:
+    ends = array_of(between_m, "between_m", (2,))
+    if not (0 < ends[0] < ends[1] <= 1e9 and ends[0] >= 1e-9):
+        raise Error(f"between_m: expected two ascending distances from 1e-9 to 1e9 m, found {ends}")
+    return float(ends[0]), float(ends[1])
+
+
+def _diameter_rad(target: DiscTarget | SceneTarget, distance_m: float) -> float:
+    return 2 * math.atan2(target.diameter_m / 2, distance_m)

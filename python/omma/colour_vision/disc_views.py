@@ -1,0 +1,110 @@
+"""A disc on even ground, as an eye sees it from a distance: of each acceptance the share that is
+filled by the disc is rendered, and photons follow from that."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Background, Eye
+from omma.base.arguments import as_named
+from omma.colour_vision.targets import DiscTarget
+from omma.colour_vision.views import Seen, View, met
+from omma.light.bands import Bands
+from omma.light.lights import Light
+from omma.light.spectrum import Spectrum
+from omma.receptors.catches import photon_catch
+from omma.receptors.sensitivity import receptor_matrix
+from omma.rendering.renderer import Renderer
+from omma.rendering.settings import Fixed
+from omma.scene.solids import disc
+from omma.scene.world import World
+
+Floats = NDArray[np.float64]
+
+# Corners of the polygon that is a disc: its area is the circle's to 2.5e-5.
+_CORNERS = 512
+# Diameters by which it lies behind the world's origin, so that no head far from it looks as if its
+# millimetres were taken for metres.
+_BEHIND = 4.0
+
+
+class DiscView(View):
+    """A disc of a target in light, as some of an eye's ommatidia see it from any distance, always
+    by the same rays."""
+
+    def __init__(
+        self, whole: Eye, target: DiscTarget, light: Light, direction: Floats, time_s: float
+    ) -> None:
+        super().__init__(whole, target.diameter_m, direction)
+        self._light, self._time_s = light, time_s
+        self._center_m = np.array([0, 0, -_BEHIND * target.diameter_m])
+        with as_named(normal="facing"):
+            falls = sum(light.irradiance(target.facing))
+        self._radiance = [
+            falls / math.pi * _band_means(light.bands, getattr(target, name), name)
+            for name in ("background", "reflectance")
+        ]
+        # 1 on the disc and 0 beside it, in one band: the share of the disc in what is seen.
+        self._world = World(
+            disc(
+                target.diameter_m / 2,
+                center_m=self._center_m,
+                segments=_CORNERS,
+            ),
+            background=Background.constant((0, 0, 0)),
+            band_from_rgb=[[0, 1, 0]],
+        )
+
+    def through(self, ommatidia: NDArray[np.intp], sampling: Fixed, seed: int) -> DiscSeen:
+        """What these ommatidia see, by so many rays."""
+        eye = self._whole.take(ommatidia)
+        matrix = receptor_matrix(eye, bands=self._light.bands)
+        catches = [
+            photon_catch(
+                eye,
+                (matrix @ radiance)[eye.receptor_type],
+                self._light,
+                integration_time_s=self._time_s,
+            )
+            for radiance in self._radiance
+        ]
+        renderer = Renderer(self._world, eye, sampling, seed=seed)
+        pose = self.pose_on(self._center_m, np.array([0.0, 0.0, 1.0]))
+        return DiscSeen(renderer, pose, catches[0], catches[1] - catches[0])
+
+
+class DiscSeen:
+    """Responses to a disc at any distance, of one eye."""
+
+    def __init__(self, renderer: Renderer, on_disc: Floats, background: Floats, more: Floats):
+        self.eye = renderer.eye
+        self._renderer, self._on_disc = renderer, on_disc
+        self._background, self._more = background, more
+
+    def at(self, distance_m: float) -> Seen:
+        """From this distance between the disc's middle and the head's origin."""
+        pose = self._on_disc.copy()
+        pose[2, 3] += distance_m
+        ones = np.ones((len(self.eye.receptor_types), 1))
+        with warnings.catch_warnings():
+            # Of far heads: rays are rounded by 2⁻²⁴ of the distance, all alike, which shifts the
+            # disc by so much (`View.farthest_m`).
+            warnings.simplefilter("ignore", RuntimeWarning)
+            share, error = self._renderer.render_receptors(pose, matrix=ones, standard_error=True)
+        share, error = share[0].astype(np.float64), error[0].astype(np.float64)
+        same = not np.any(self._more)
+        return Seen(
+            self._background, self._more * share, np.abs(self._more) * error,
+            same or met(share, error),
+        )  # fmt: skip
+
+
+def _band_means(bands: Bands, reflectance: Spectrum | float, name: str) -> Floats:
+    if isinstance(reflectance, float):
+        return np.full(len(bands), reflectance)
+    with as_named(spectrum=name):
+        return bands.mean(reflectance.value, reflectance.wavelength_nm)
