@@ -27,7 +27,11 @@ class CardErrors : public testing::Test {
   void SetUp() override {
     if (is_real_card()) GTEST_SKIP() << "a real driver does not fail when it is asked to";
   }
-  ~CardErrors() override { make_driver_fail("", 0); }
+  ~CardErrors() override {
+    if (is_real_card()) return;
+    make_driver_fail("", 0);
+    limit_card_memory(0);
+  }
 };
 
 TEST_F(CardErrors, OfOpeningSayWhatIsMissing) {
@@ -82,10 +86,23 @@ TEST_F(CardErrors, OfMemorySayHowMuchIsThere) {
   const std::vector<float> expected = seen(renderer);
   make_driver_fail("cuMemAlloc", out_of_memory);
   expect_words(error_of([&] { seen(of_other); }),
-               {"cuda:0 (emulated card): expected", "MB of memory", "free of", "fewer poses"});
+               {"cuda:0 (emulated card): expected", "MB of memory", "free of", "smaller scene"});
   make_driver_fail("", 0);
   EXPECT_EQ(seen(of_other), expected);
   EXPECT_EQ(seen(renderer), expected);
+}
+
+// What a launch needs does not grow with the batch: its responses alone are twice what is there.
+TEST_F(CardErrors, OfMemoryAreNoneWhereABatchIsLarge) {
+  constexpr std::size_t ommatidia = 500, poses = 3000, memory = std::size_t{8} << 20;
+  const World world = squares_on_card();
+  const Renderer renderer(world, make_eye(sphere_directions(ommatidia), 12 * degree),
+                          {.sampling = Fixed{1}});
+  std::vector<float> responses(poses * ommatidia * 3);
+  limit_card_memory(memory);
+  renderer.render(std::vector<Mat4>(poses), responses);
+  EXPECT_GE(responses.size() * sizeof(float), 2 * memory);
+  EXPECT_EQ(std::vector(responses.end() - 3 * ommatidia, responses.end()), seen(renderer));
 }
 
 // Where memory is short what other worlds have left there is given up, and copied again for them.

@@ -211,6 +211,9 @@ def test_a_card_that_is_not_right_is_left_alone(trouble, why, tmp_path):
     assert why in done.stderr
 
 
+DRIVER_FAILS = (
+    "UserWarning: a graphics card is left alone, the processor traces the rays: cuda: cuInit failed"
+)
 FORK = """
 import ctypes, os, omma
 scene = omma.scene.box()
@@ -229,8 +232,21 @@ def test_a_child_says_that_it_cannot_use_the_card(tmp_path):
     assert parent == "cuda:0 (emulated card)"
     assert child == again
     assert "cuda" not in child
-    assert done.stderr.count("UserWarning: the processor traces the rays, not a card: ") == 1
+    assert done.stderr.count(DRIVER_FAILS) == 1
     assert "start workers by spawn" in done.stderr
+
+
+@with_stand_in
+def test_a_driver_that_fails_is_told(tmp_path):
+    trouble = (
+        "driver = ctypes.CDLL(os.environ['OMMA_CUDA_DRIVER'])\n"
+        "driver.emulated_fail(b'cuInit', {}, 1000, -1)"
+    )
+    done = run("-c", CHOOSE.format(trouble.format(999)), cache=tmp_path)
+    assert done.stderr.count(DRIVER_FAILS) == 1, done.stderr
+    # CUDA_ERROR_NO_DEVICE: there is a driver, and nothing for it to drive.
+    done = run("-W", "error", "-c", CHOOSE.format(trouble.format(100)), cache=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_without_a_card_nothing_is_said():

@@ -61,21 +61,14 @@ def _find_cards() -> list[tuple[str, str, str]]:
     return _core.card_states()
 
 
-# Why cards were left alone, by their names; "" of those that may be taken; "fork" where none can be
-# used any more. Of this process.
+# Why cards were left alone, by their names; "" of those that may be taken. Of this process.
 _left_alone: dict[str, str] = {}
 
 
 def _takes_card(name: str, why_not: str, progress: Progress | None) -> bool:
     """Whether that card is taken where nobody says what traces rays: it can be used, and sees a
-    small scene as the processor does. A warning says why not, once."""
-    if not name:
-        if "" in _left_alone.values() and "fork" not in _left_alone:
-            # One was taken before: this process is a child of the one that did.
-            _left_alone["fork"] = why_not
-            warn_caller(f"the processor traces the rays, not a card: {why_not}", UserWarning)
-        return False
-    if name not in _left_alone:
+    small scene as the processor does. A warning says why not, once; none where there is no card."""
+    if name and name not in _left_alone:
         # Needs much that is not needed without a card.
         from omma.scene.card_check import trouble_with_card
 
@@ -85,7 +78,7 @@ def _takes_card(name: str, why_not: str, progress: Progress | None) -> bool:
                 f"{name} is left alone, the processor traces the rays: {_left_alone[name]}",
                 UserWarning,
             )
-    return not _left_alone[name]
+    return _left_alone.get(name) == ""
 
 
 def ordinals(devices: Iterable[int], name: str = "devices") -> tuple[int, ...]:

@@ -71,10 +71,13 @@ Card find_driver(const CardLibraries& from, int& count) {
   card.name = "cuda";
   card.driver = load_driver(from.driver);
   const DriverFunctions& driver = card.driver;
-  check(card, driver.init(0), "cuInit");
-  check(card, driver.version(&card.cuda_version), "cuDriverGetVersion");
-  check(card, driver.card_count(&count), "cuDeviceGetCount");
-  if (count < 1) throw Error("cuda: expected a card, found a driver without one");
+  const int ready = driver.init(0);
+  if (ready != driver_without_card) {
+    check(card, ready, "cuInit");
+    check(card, driver.version(&card.cuda_version), "cuDriverGetVersion");
+    check(card, driver.card_count(&count), "cuDeviceGetCount");
+  }
+  if (count < 1) throw NoCard("cuda: expected a card, found a driver without one");
   return card;
 }
 
@@ -159,9 +162,11 @@ CardPointer try_to_allocate(const Card& card, std::size_t bytes) {
 void fail_for_memory(const Card& card, std::size_t bytes) {
   std::size_t free = 0, total = 0;
   check(card, card.driver.memory_info(&free, &total), "cuMemGetInfo");
+  // Launches have so many tasks that memory does not depend on how many poses there are.
   throw Error(card.name + ": expected " + in_megabytes(bytes) + " of memory, found " +
               in_megabytes(free) + " free of " + in_megabytes(total) +
-              "; render fewer poses at once, or a smaller scene");
+              "; a smaller scene or fewer bands may fit, or backend=\"portable\" renders on the "
+              "processor");
 }
 
 void free_memory(const Card& card, CardPointer at) {

@@ -16,9 +16,9 @@ namespace omma {
 // Where what a card needs is found, and where its compiled kernels are kept.
 struct CardLibraries {
   std::string driver = "libcuda.so.1";
-  std::string nvrtc;         // the runtime compiler; "": where the system has it
-  std::string kernel_cache;  // a folder; "": kernels are compiled by each process
-  std::string packaged_kernels;  // a folder of kernels that came with Omma; "": none
+  std::string nvrtc{};         // the runtime compiler; "": where the system has it
+  std::string kernel_cache{};  // a folder; "": kernels are compiled by each process
+  std::string packaged_kernels{};  // a folder of kernels that came with Omma; "": none
   // Whether arrays that stay on the card are compared with the host's at each launch: an error
   // where one has changed under the version that it had. For tests.
   bool checks_copies = false;

@@ -125,6 +125,7 @@ class Launch {
   template <typename Task>
   void run(const Task* tasks, std::size_t count, std::int64_t threads) {
     Card& card = open_.card;
+    launch_.threads_each = threads;
     copies_.send();
     load_kernel(card, kernel_);
     const auto all = static_cast<std::int64_t>(count);
@@ -158,6 +159,15 @@ using GatherTasks = std::span<const GatherTask>;
 using WeighTasks = std::span<const WeighTask>;
 using Packets = std::span<RayPacket<packet_rays>>;
 
+// Of a task: an ommatidium each, as many as there are in the largest. Tasks to an error have a block
+// of the grid each.
+std::int64_t threads_of(const FrameView& frame, CardKernel kernel, BlockTasks tasks) {
+  if (kernel == CardKernel::render && frame.most_samples > 0) return most_per_block;
+  int most = 1;
+  for (const BlockTask& task : tasks) most = std::max(most, task.count);
+  return most;
+}
+
 auto render_on(std::vector<int> cards, CardKernel kernel) {
   return [cards = std::move(cards), kernel](const FrameView& frame, BlockTasks tasks,
                                             const void* tracer) {
@@ -165,7 +175,7 @@ auto render_on(std::vector<int> cards, CardKernel kernel) {
       Launch launch(kernel, card);
       launch.search(tracer);
       launch.render(frame, 1);
-      launch.run_tasks(piece, most_per_block, frame);
+      launch.run_tasks(piece, threads_of(frame, kernel, piece), frame);
     });
   };
 }
@@ -258,8 +268,10 @@ std::vector<CardState> card_states() {
   try {
     for (const std::string& name : card_names(libraries))
       states.push_back(state_of(libraries, static_cast<int>(states.size()), name));
-  } catch (const Error& error) {
+  } catch (const NoCard& error) {
     states.assign(1, {"", "", error.what()});
+  } catch (const Error& error) {
+    states.assign(1, {"a graphics card", "", error.what()});
   }
   return states;
 }

@@ -17,7 +17,7 @@ Backend cuda_backend();
 
 // Whether a card can be used.
 struct CardState {
-  std::string name;     // "cuda:0 (…)", or empty
+  std::string name;     // "cuda:0 (…)", "a graphics card" of a driver that fails, or empty
   std::string driver;   // the CUDA that it is for, "13.0", or empty
   std::string why_not;  // empty where the card can be used
 };

@@ -5,8 +5,6 @@
 
 #include <cstdlib>
 
-#include "omma/error.h"
-
 namespace omma {
 namespace {
 
@@ -45,8 +43,8 @@ DriverFunctions load_driver(const std::string& wanted) {
   void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const why = dlerror();
-    throw Error("cuda: expected NVIDIA's driver, found none (" +
-                std::string(why != nullptr ? why : path) + ")");
+    throw NoCard("cuda: expected NVIDIA's driver, found none (" +
+                 std::string(why != nullptr ? why : path) + ")");
   }
   DriverFunctions driver;
   const auto find_all = [&](const char* name, auto*& function) {

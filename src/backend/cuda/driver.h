@@ -7,7 +7,14 @@
 #include <cstdint>
 #include <string>
 
+#include "omma/error.h"
+
 namespace omma {
+
+// There is no card, or no driver for one: nothing is broken.
+struct NoCard : Error {
+  using Error::Error;
+};
 
 using CardPointer = std::uint64_t;  // CUdeviceptr
 
@@ -40,7 +47,11 @@ struct DriverFunctions {
 };
 
 // CUresult and CUdevice_attribute, as far as they are asked for.
-enum DriverError : int { driver_out_of_memory = 2, driver_not_initialized = 3 };
+enum DriverError : int {
+  driver_out_of_memory = 2,
+  driver_not_initialized = 3,
+  driver_without_card = 100
+};
 enum CardAttribute : int { processor_count = 16, capability_major = 75, capability_minor = 76 };
 enum PointerAttribute : int { pointer_ordinal = 9 };
 

@@ -18,12 +18,22 @@ using Program = void*;
 using Result = int;  // 0: success
 
 constexpr const char* names[] = {"libnvrtc.so.13", "libnvrtc.so.12"};
-constexpr const char* how =
-    "; install it by pip install 'omma[cuda]', or name the library by OMMA_NVRTC";
 
 std::string reason() {
   const char* said = dlerror();
   return said != nullptr ? said : "unknown error";
+}
+
+const char* named_by_user() {
+  const char* named = std::getenv("OMMA_NVRTC");
+  return named != nullptr && *named != '\0' ? named : nullptr;
+}
+
+// What a user can do about it.
+std::string how() {
+  if (named_by_user() != nullptr) return "; OMMA_NVRTC names it";
+  return "; install it by pip install 'omma[cuda]' (with a driver for CUDA 12, 'omma[cuda12]'), or "
+         "name the library by OMMA_NVRTC";
 }
 
 struct Library {
@@ -32,22 +42,23 @@ struct Library {
 };
 
 Library open_library(const std::string& path) {
-  const char* given = std::getenv("OMMA_NVRTC");
-  const std::string chosen = given != nullptr && *given != '\0' ? given : path;
+  const char* named = named_by_user();
+  const std::string chosen = named != nullptr ? named : path;
   if (!chosen.empty()) {
     if (void* handle = dlopen(chosen.c_str(), RTLD_NOW | RTLD_LOCAL)) return {handle, chosen};
-    throw Error("NVRTC, the compiler of kernels, cannot be loaded: " + reason() + how);
+    throw Error("NVRTC, the compiler of kernels, cannot be loaded: " + reason() + how());
   }
   for (const char* name : names)
     if (void* handle = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return {handle, name};
-  throw Error("NVRTC, the compiler of kernels, is not here: " + reason() + how);
+  throw Error("NVRTC, the compiler of kernels, is not here: " + reason() + how());
 }
 
 template <typename Function>
 void find_function(const Library& library, const char* name, Function*& function) {
   function = reinterpret_cast<Function*>(dlsym(library.handle, name));
   if (function == nullptr)
-    throw Error(library.path + ": is not NVRTC, or is too old: it has no function " + name + how);
+    throw Error(library.path + ": is not NVRTC, or is too old: it has no function " + name +
+                how());
 }
 
 // The compiler asks from any of its threads.

@@ -70,6 +70,7 @@ struct ErrorMemory {
   double* roots = nullptr;       // sum over the rounds of the square roots of their rays
   std::int32_t* rays = nullptr;  // so far
   std::int32_t* next = nullptr;  // round to come, index into the directions; -1 for none
+  std::int32_t* members = nullptr;  // list_members
   float* cell_errors = nullptr;  // as of PathMemory
   TruthSums truth;
 };
@@ -171,6 +172,7 @@ OMMA_HD ErrorMemory lay_out_error(Scratch& scratch, const FrameView& frame) {
   error.roots = scratch.take<double>(ommatidia);
   error.rays = scratch.take<std::int32_t>(ommatidia);
   error.next = scratch.take<std::int32_t>(ommatidia);
+  error.members = scratch.take<std::int32_t>(ommatidia);
   if (has_cell_errors(frame))
     error.cell_errors = lay_out_cell_errors(scratch, frame, most_per_block);
   if (frame.truth != nullptr) error.truth = lay_out_truth(scratch, *frame.truth, most_per_block);

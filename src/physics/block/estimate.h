@@ -159,6 +159,16 @@ OMMA_HD int choose_rounds(const FrameView& frame, const BlockTask& task, const E
   return rounds;
 }
 
+// Those of a block who have one of so many rounds to come, the shortest first, so that neighbours
+// do about the same; returns how many they are.
+OMMA_HD int list_members(const BlockTask& task, const ErrorMemory& known, int rounds) {
+  int count = 0;
+  for (int k = 0; k < rounds; ++k)
+    for (int i = 0; i < task.count; ++i)
+      if (known.next[i] == k) known.members[count++] = i;
+  return count;
+}
+
 // A round of rays, of those directions, under a scramble.
 struct Round {
   int directions, scramble;

@@ -1,6 +1,6 @@
 // What the threads of a grid do: the kernels of a graphics card, written over a Grid that says
-// which threads there are. A block of the grid takes one task after the other, and its threads one
-// ommatidium of the task each (thread.h).
+// which threads there are. Each thread takes an ommatidium (thread.h), of whatever task it is; of
+// tasks to an error a block takes one after the other, as its ommatidia listen to each other.
 //
 // A Grid has
 //
@@ -40,63 +40,69 @@ OMMA_HD void for_each_of(std::int64_t count, Grid& grid, const Each& each) {
   }
 }
 
-// Calls `run(what an ommatidium is rendered with, its number in the task)` for all of a task.
+// Calls `run(what an ommatidium is rendered with, its number in the task)` for all of all tasks.
 template <typename Grid, typename Run>
-OMMA_HD void for_each_ommatidium(const GridLaunch& launch, Grid& grid, const BlockTask& task,
-                                 const Run& run) {
-  grid.for_each(task.count, [&](int i) {
+OMMA_HD void for_each_ommatidium(const GridLaunch& launch, Grid& grid, const Run& run) {
+  const auto* tasks = static_cast<const BlockTask*>(launch.tasks);
+  const std::int64_t each = launch.threads_each;
+  for_each_of(launch.count * each, grid, [&](std::int64_t k, int i) {
     const FrameView& frame = *launch.frame;
+    const BlockTask& task = tasks[k / each];
+    const auto member = static_cast<int>(k % each);
+    if (member >= task.count) return;  // the last task of a pose may have fewer
     const BlockMemory& memory = lay_out_thread(thread_memory(launch, grid, i), frame);
     SceneSearch<OneLane> search{launch.searched, launch.bvh, memory.visits};
-    run(BlockRun<SceneSearch<OneLane>>{frame, task, search, memory}, i);
+    run(BlockRun<SceneSearch<OneLane>>{frame, task, search, memory}, member);
   });
 }
 
-// A task to an error: rounds of rays, between which one thread chooses who needs more.
+// A task to an error: rounds of rays, between which one thread chooses who needs more. Those are
+// taken by the first threads of the block, so that of the others whole warps rest.
 template <typename Grid>
 OMMA_HD void render_task_to_error(const GridLaunch& launch, Grid& grid, const BlockTask& task) {
   const FrameView& frame = *launch.frame;
   Scratch of_block{grid.block_memory()};
   const ErrorMemory known = lay_out_error(of_block, frame);
-  const auto for_each = [&](const auto& run) {
-    grid.for_each(task.count, [&](int i) {
-      BlockMemory& memory = lay_out_thread(thread_memory(launch, grid, i), frame);
-      share_error(frame, known, i, memory);
-      SceneSearch<OneLane> search{launch.searched, launch.bvh, memory.visits};
-      run(BlockRun<SceneSearch<OneLane>>{frame, task, search, memory}, i);
-    });
+  const auto run_as = [&](int thread, int member, const auto& run) {
+    BlockMemory& memory = lay_out_thread(thread_memory(launch, grid, thread), frame);
+    share_error(frame, known, member, memory);
+    SceneSearch<OneLane> search{launch.searched, launch.bvh, memory.visits};
+    run(BlockRun<SceneSearch<OneLane>>{frame, task, search, memory});
   };
-  int rounds = grid.once([&] {
+  int count = grid.once([&] {
     begin_error(frame, task, known);
-    return 1;
+    return list_members(task, known, 1);
   });
-  for (int scramble = 0; rounds > 0; ++scramble) {
-    for (int k = 0; k < rounds; ++k)
-      for_each([&](const auto& run, int i) { trace_round_of_ommatidium(run, {k, scramble}, i); });
-    rounds = grid.once([&] { return choose_rounds(frame, task, known); });
+  for (int scramble = 0; count > 0; ++scramble) {
+    grid.for_each(count, [&](int i) {
+      const std::int32_t member = known.members[i];
+      run_as(i, member, [&](const auto& run) {
+        trace_members<OneLane>(run, {known.next[member], scramble}, &member, 1);
+      });
+    });
+    count = grid.once(
+        [&] { return list_members(task, known, choose_rounds(frame, task, known)); });
   }
-  for_each([](const auto& run, int i) { end_error_of_ommatidium(run, i); });
+  grid.for_each(task.count, [&](int i) {
+    run_as(i, i, [&](const auto& run) { end_error_of_ommatidium(run, i); });
+  });
 }
 
 template <typename Grid>
 OMMA_HD void render_tasks(const GridLaunch& launch, Grid& grid) {
   const auto* tasks = static_cast<const BlockTask*>(launch.tasks);
-  for (std::int64_t k = grid.first(); k < launch.count; k += grid.step()) {
-    if (launch.frame->most_samples > 0)
+  if (launch.frame->most_samples > 0)
+    for (std::int64_t k = grid.first(); k < launch.count; k += grid.step())
       render_task_to_error(launch, grid, tasks[k]);
-    else
-      for_each_ommatidium(launch, grid, tasks[k],
-                          [](const auto& run, int i) { render_ommatidium(run, i); });
-  }
+  else
+    for_each_ommatidium(launch, grid, [](const auto& run, int i) { render_ommatidium(run, i); });
 }
 
 // Adds what ommatidia see of discs of the sky to their responses.
 template <typename Grid>
 OMMA_HD void render_discs_of_tasks(const GridLaunch& launch, Grid& grid) {
-  const auto* tasks = static_cast<const BlockTask*>(launch.tasks);
-  for (std::int64_t k = grid.first(); k < launch.count; k += grid.step())
-    for_each_ommatidium(launch, grid, tasks[k],
-                        [](const auto& run, int i) { render_discs_of_ommatidium(run, i); });
+  for_each_ommatidium(launch, grid,
+                      [](const auto& run, int i) { render_discs_of_ommatidium(run, i); });
 }
 
 // Light that is baked: a task a thread.

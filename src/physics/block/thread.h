@@ -1,5 +1,5 @@
 // What a thread of a graphics card does: one ommatidium of a task, in one lane, with the bits that
-// its block has in packets. A launch is a grid of tasks times most_per_block threads.
+// its block has in packets.
 #pragma once
 
 #include "physics/block/block.h"
@@ -41,18 +41,11 @@ OMMA_HD void render_discs_of_ommatidium(const BlockRun<Search>& run, int i) {
   render_discs<OneLane>(run, list_of(ordinal, i, 1));
 }
 
-// Rendering to an error is a launch for each round, between which one thread for each block does
-// begin_error and choose_rounds. `memory`: of this thread; `known`: of its block, lay_out_error.
+// The error of a block in the memory of one of its threads. `known`: lay_out_error.
 OMMA_HD void share_error(const FrameView& frame, const ErrorMemory& known, int i,
                          BlockMemory& memory) {
   memory.error = known;
   memory.paths.cell_errors = cell_errors_of(frame, known.cell_errors, i);
-}
-
-// The thread's memory shares its block's error.
-template <typename Search>
-OMMA_HD void trace_round_of_ommatidium(const BlockRun<Search>& run, const Round& round, int i) {
-  if (run.memory.error.next[i] == round.directions) trace_members<OneLane>(run, round, &i, 1);
 }
 
 template <typename Search>

@@ -18,6 +18,7 @@ struct GridLaunch {
   const BvhView* bvh = nullptr;
   const void* tasks = nullptr;            // BlockTask, GatherTask, WeighTask or RayPacket
   std::int64_t count = 0;                 // of tasks
+  std::int64_t threads_each = 1;          // of a task
   const SharedWeights* shared = nullptr;  // of weigh
   std::int32_t outputs = 0;               // of weigh
   // [block of the grid][block_bytes, thread_bytes of each thread]

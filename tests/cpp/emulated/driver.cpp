@@ -39,6 +39,7 @@ struct Driver {
   DeviceUse most;
   std::string fails;                    // the call that does
   int error = 0, times = 0, card = -1;  // that it fails
+  std::size_t memory = device_bytes;    // of a card
 };
 
 Driver& driver() {
@@ -47,6 +48,12 @@ Driver& driver() {
 }
 
 thread_local Emulated* current = nullptr;
+
+std::size_t allocated_bytes(const Emulated& card) {
+  std::size_t bytes = 0;
+  for (const auto& [begin, size] : card.allocated) bytes += size;
+  return bytes;
+}
 
 int card_count() {
   const char* const given = std::getenv("OMMA_EMULATED_CARDS");
@@ -141,6 +148,10 @@ void emulated_fail(const char* call, int error, int times, int card) {
   d.card = card;
 }
 
+void emulated_limit_memory(std::size_t bytes) {
+  driver().memory = bytes > 0 ? bytes : device_bytes;
+}
+
 int cuInit(unsigned) {
   return failure("cuInit", 0);
 }
@@ -181,8 +192,8 @@ int cuCtxSetCurrent(void* context) {
 }
 int cuMemGetInfo_v2(std::size_t* free, std::size_t* total) {
   if (const int error = failure("cuMemGetInfo")) return error;
-  *free = *total = device_bytes;
-  for (const auto& [begin, size] : current->allocated) *free -= size;
+  *total = driver().memory;
+  *free = *total - std::min(*total, allocated_bytes(*current));
   return success;
 }
 int cuMemAlloc_v2(CardPointer* at, std::size_t bytes) {
@@ -190,7 +201,8 @@ int cuMemAlloc_v2(CardPointer* at, std::size_t bytes) {
   if (const int error = failure("cuMemAlloc")) return error;
   const std::size_t room = (bytes + 127) / 64 * 64;
   *at = find_gap(*current, room);
-  if (*at == 0) return omma::driver_out_of_memory;
+  if (*at == 0 || allocated_bytes(*current) + room > driver().memory)
+    return omma::driver_out_of_memory;
   current->allocated.emplace(*at, room);
   return success;
 }

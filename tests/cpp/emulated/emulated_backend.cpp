@@ -32,6 +32,8 @@ Backend emulated_backend() {
                         .kernel_cache = "",
                         .packaged_kernels = "",
                         .checks_copies = true});
+  else
+    set_card_libraries({.packaged_kernels = std::getenv("OMMA_TEST_CARD")});
   const auto build = [](const Scene& scene, const SceneView& view, const Placement& placement,
                         std::span<const int> devices, WorkState* work) {
     const Acceleration built = cuda_backend().build(scene, view, placement, devices, work);
@@ -43,6 +45,10 @@ Backend emulated_backend() {
 DeviceUse take_device_use() {
   if (is_real_card()) return {};  // which does not say
   return in_driver<decltype(emulated_take_use)>("emulated_take_use")();
+}
+
+void limit_card_memory(std::size_t bytes) {
+  in_driver<decltype(emulated_limit_memory)>("emulated_limit_memory")(bytes);
 }
 
 void make_driver_fail(const char* call, int error, int times, int card) {

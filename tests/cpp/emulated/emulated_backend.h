@@ -13,6 +13,7 @@ bool is_real_card();
 
 // As emulated_driver.h has them.
 DeviceUse take_device_use();
+void limit_card_memory(std::size_t bytes);
 void make_driver_fail(const char* call, int error, int times = 1000, int card = -1);
 
 }  // namespace omma::test

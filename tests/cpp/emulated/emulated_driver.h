@@ -9,6 +9,9 @@ extern "C" {
 // The most that a thread of any launch in one lane has had since this was asked for last.
 omma::test::DeviceUse emulated_take_use();
 
+// How much memory each card has from now on; 0: as much as ever.
+void emulated_limit_memory(std::size_t bytes);
+
 // The stream that the last launch of the first card was on.
 void* emulated_last_stream();
 
