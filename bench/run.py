@@ -189,7 +189,8 @@ def main() -> None:
         elif part == "baked_error":
             lines = printed_table([sys.executable, BENCH / "baked_error.py", *quick])
         elif part == "gpu":
-            lines = printed_table([sys.executable, BENCH / "gpu.py", *quick])
+            data = [DATA] if DATA.exists() else []
+            lines = printed_table([sys.executable, BENCH / "gpu.py", *data, *quick])
         elif part == "light_to_error":
             data = [DATA] if DATA.exists() else []
             lines = printed_table([sys.executable, BENCH / "light_to_error.py", *data, *quick])
