@@ -254,8 +254,8 @@ def test_animals_that_do_not_have_a_number_give_none():
         omma.species.drosophila(assume="calliphora")
     with pytest.raises(omma.Error, match="assume: expected an animal with receptors"):
         omma.species.holcocephala(assume="holcocephala")
-    with pytest.raises(omma.Error, match=r"expected one of .* found 'honeybee'"):
-        omma.species.drosophila(assume="honeybee")
+    with pytest.raises(omma.Error, match=r"expected one of .* found 'wasp'"):
+        omma.species.drosophila(assume="wasp")
     with pytest.raises(omma.Error, match="assume: expected one animal or more, found none"):
         omma.species.assume_rhabdoms(bee(), ())
     with pytest.raises(TypeError, match="assume: expected the name of an animal, or several, foun"):
@@ -400,3 +400,8 @@ def test_reflectances_out_of_range():
         omma.receptors.band_error(light, eye, None, ([400, 700], [[1, 1]]))
     with pytest.raises(omma.Error, match="light: expected one that is not dark"):
         omma.receptors.band_error(omma.light.uniform_sky(0), eye)
+
+
+def test_a_honeybee_to_assume_of_is_the_worker():
+    one, other = (omma.species.melophorus(assume=name) for name in ("honeybee", "honeybee_worker"))
+    assert one.assumed == other.assumed != ()

@@ -143,7 +143,7 @@ class TestStars:
         [("B8", -0.03), ("A0", 0.0), ("F5", 0.43), ("G2", 0.65), ("K2", 1.24), ("K5", 1.54)],
     )
     def test_their_colours(self, spectral_class, colour):
-        """B - V of Rigel, Vega, Procyon, the sun's like, Arcturus and Aldebaran, of which each is
+        """B - V of Rigel, Vega, Procyon, the sun's like, Arcturus and Aldebaran (recalled), each
         within 0.1 of its class."""
         found = black_body_colour(temperature_k(spectral_class))
         assert found == pytest.approx(colour, abs=0.1)

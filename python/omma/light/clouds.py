@@ -153,10 +153,10 @@ def cloudy_sky(
 def cloud_transmittance(optical_depth: ArrayLike, sine: ArrayLike | None = None) -> Floats:
     """Share of what falls on a level cloud that comes out below it, straight and scattered.
 
-    The delta-Eddington approximation (Joseph, Wiscombe and Weinman, J. Atmos. Sci. 33:2452, 1976)
-    for a layer that absorbs nothing over black ground: (2/3 + m + (2/3 - m) exp(-(1 - g²) t / m)) /
-    (4/3 + (1 - g) t) with a mean cosine of scattering g = 0.85, m the sine of the sun's elevation.
-    Within 0.05 of Monte Carlo for suns above 20 degrees.
+    The delta-Eddington approximation (Joseph, Wiscombe and Weinman, J. Atmos. Sci. 33:2452, 1976,
+    recalled) for a layer that absorbs nothing over black ground: (2/3 + m + (2/3 - m)
+    exp(-(1 - g²) t / m)) / (4/3 + (1 - g) t) with a mean cosine of scattering g = 0.85, m the sine
+    of the sun's elevation. Within 0.05 of Monte Carlo for suns above 20 degrees.
 
     Args:
         optical_depth: t, 0 or more.

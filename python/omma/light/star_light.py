@@ -130,7 +130,7 @@ def black_body_colour(temperature: float) -> float:
 
 
 def air_mass(elevation_deg: float) -> float:
-    """Over that of the zenith (Kasten and Young 1989)."""
+    """Over that of the zenith (Kasten and Young 1989, recalled)."""
     e = float(elevation_deg)
     return float(1 / (np.sin(np.radians(e)) + 0.50572 * (e + 6.07995) ** -1.6364))
 

@@ -65,7 +65,9 @@ def _donors(assume: Assume) -> tuple[str, ...]:
         found = type(assume).__name__
         raise TypeError(f"assume: expected the name of an animal, or several, found {found}")
     names = () if assume is None else (assume,) if isinstance(assume, str) else tuple(assume)
-    return tuple(one_of(name, LATIN, "assume") for name in names)
+    # Of the honeybee it is the worker that has all.
+    short = {"honeybee": "honeybee_worker"}
+    return tuple(one_of(short.get(name, name), LATIN, "assume") for name in names)
 
 
 def _filled(eye: Eye, donors: tuple[str, ...]) -> tuple[Eye, tuple[str, ...]]:
