@@ -92,6 +92,29 @@ TEST_F(CardErrors, OfMemorySayHowMuchIsThere) {
   EXPECT_EQ(seen(renderer), expected);
 }
 
+// What had been rendered when a card was lost stays where it was written.
+TEST_F(CardErrors, InTheMiddleLeaveWhatIsFinished) {
+  constexpr std::size_t poses = 40;
+  const World world = squares_on_card();
+  const Eye eye = make_eye(sphere_directions(1000), 12 * degree);
+  const Renderer renderer(world, eye, {});
+  std::vector<float> responses(poses * eye.size() * 3, -1.f);
+  double finished = 0;
+  RenderCall call;
+  call.progress = [&](double fraction) {
+    finished = fraction;
+    make_driver_fail("cuLaunchKernel", launch_failed);
+    return true;
+  };
+  expect_words(error_of([&] { renderer.render(std::vector<Mat4>(poses), responses, call); }),
+               {"cuda:0 (emulated card)", "cuLaunchKernel"});
+  make_driver_fail("", 0);
+  ASSERT_GT(finished * poses, 1);
+  ASSERT_LT(finished, 1);
+  EXPECT_EQ(std::vector(responses.begin(), responses.begin() + 3000), seen(renderer));
+  EXPECT_EQ(responses.back(), -1.f);
+}
+
 // What a launch needs does not grow with the batch: its responses alone are twice what is there.
 TEST_F(CardErrors, OfMemoryAreNoneWhereABatchIsLarge) {
   constexpr std::size_t ommatidia = 500, poses = 3000, memory = std::size_t{8} << 20;
