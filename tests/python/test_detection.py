@@ -340,3 +340,19 @@ def test_what_is_never_and_what_is_always_told():
 def test_what_is_refused(call, told):
     with pytest.raises(omma.Error, match=told):
         call()
+
+
+def test_progress_is_told_and_may_end_it():
+    eye = bee()
+    told = []
+    omma.detect(eye, DiscTarget(0.02, 0.05, 0.2), LIGHT, progress=told.append)
+    assert told[0] == 0
+    assert told == sorted(told)
+    assert told[-1] == 1
+
+    def end(share):
+        if share > 0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        omma.detect(eye, DiscTarget(0.02, 0.05, 0.2), LIGHT, progress=end)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
+from omma.base.directions import direction
+from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.colour_vision.disc_views import DiscView
 from omma.colour_vision.observer import Decision, Observer
@@ -26,6 +28,9 @@ _SURE = 4
 # How near the two distances come between which the answer is taken as on a straight line, and how
 # far apart those are from which its error follows.
 _CLOSE, _STEP = 1.002, 1.1
+
+# By how much a criterion is passed at a distance, and the standard error of that.
+Excess = Callable[[Looking, float], tuple[float, float]]
 
 
 @value_class
@@ -56,6 +61,7 @@ def detect(
     between_m: Sequence[float] = (0.01, 1000.0),
     sampling: Fixed | None = None,
     seed: int = 0,
+    progress: Progress | None = None,
 ) -> Detection:
     """From how far an animal tells a target from what surrounds it, with an error bar.
 
@@ -74,6 +80,8 @@ def detect(
             error is half a percent of the distance, 16,384 at most. A target that fills a share f
             of the acceptance is met by f of them.
         seed: of the rays.
+        progress: told of how many of the numbers of rays that may be needed are done with, at
+            each distance; what it raises ends the work.
 
     Example:
         >>> eye = omma.species.honeybee_worker().eye
@@ -90,7 +98,8 @@ def detect(
     """
     observer = Observer() if observer is None else observer
     near, far = _ends(between_m)
-    seen_as = light, observer.direction(), observer.integration_time_s
+    towards = direction(observer.azimuth_deg, observer.elevation_deg)
+    seen_as = light, towards, observer.integration_time_s
     view: View
     if isinstance(target, DiscTarget):
         view = DiscView(eye, target, *seen_as)
@@ -103,49 +112,60 @@ def detect(
             f"between_m: expected to begin before {far:g} m, 100,000 diameters of the target"
         )
 
+    stages = (_FIRST, *(_MORE if sampling is None else (sampling,)))
+    done = 0
+
     def by(rays: Fixed, nearest_m: float) -> Looking:
         return view.through(decision.ommatidia(view, nearest_m), rays, seed)
 
+    def excess(seen_by: Looking, distance_m: float) -> tuple[float, float]:
+        if progress is not None:
+            progress(done / len(stages))
+        return decision.excess(seen_by, distance_m)
+
     low = near
-    while 2 * low < far and decision.excess(by(_FIRST, 2 * low), 2 * low)[0] >= 0:
+    while 2 * low < far and excess(by(_FIRST, 2 * low), 2 * low)[0] >= 0:
         low *= 2
     found, error = 0.0, math.nan
-    for rays in _MORE if sampling is None else (sampling,):
+    for rays in stages[1:]:
+        done += 1
         seen_by = by(rays, low)
         # Fewer rays may have missed the target, or met too much of it.
-        while (excess := decision.excess(seen_by, low))[0] < 0 and low > near:
+        while (value := excess(seen_by, low))[0] < 0 and low > near:
             low = max(low / 2, near)
             seen_by = by(rays, low)
         high = low
-        while excess[0] >= 0 and high < far:
+        while value[0] >= 0 and high < far:
             low, high = high, min(2 * high, far)
-            excess = decision.excess(seen_by, high)
-        if low < high and excess[0] < 0:
-            found, error = _between(decision, seen_by, low, high)
+            value = excess(seen_by, high)
+        if low < high and value[0] < 0:
+            found, error = _between(excess, seen_by, low, high)
             sure = error <= _ENOUGH * found
         else:
-            found = 0.0 if excess[0] < 0 else math.inf
-            error = math.nan if math.isfinite(excess[1]) else math.inf
-            sure = abs(excess[0]) > _SURE * excess[1]
+            found = 0.0 if value[0] < 0 else math.inf
+            error = math.nan if math.isfinite(value[1]) else math.inf
+            sure = abs(value[0]) > _SURE * value[1]
         if sure:
             break
         low = min(max(found / math.sqrt(2), near), max(far / 2, near))
+    if progress is not None:
+        progress(1.0)
     return Detection(found, error, _diameter_rad(target, min(max(found, near), far)))
 
 
-def _between(decision: Decision, seen_by: Looking, low: float, high: float) -> tuple[float, float]:
+def _between(excess: Excess, seen_by: Looking, low: float, high: float) -> tuple[float, float]:
     """Where between two distances the criterion is reached, and the standard error of that."""
-    above, below = (decision.excess(seen_by, one)[0] for one in (low, high))
+    above, below = (excess(seen_by, one)[0] for one in (low, high))
     while high / low > _CLOSE:
         middle = math.sqrt(low * high)
-        value = decision.excess(seen_by, middle)[0]
+        value = excess(seen_by, middle)[0]
         if value >= 0:
             low, above = middle, value
         else:
             high, below = middle, value
     found = low * (high / low) ** (above / (above - below))
-    error = decision.excess(seen_by, found)[1]
-    near, far = (decision.excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
+    error = excess(seen_by, found)[1]
+    near, far = (excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
     slope = (near - far) / (2 * math.log(_STEP))
     return found, found * error / slope if slope > 0 else math.inf
 

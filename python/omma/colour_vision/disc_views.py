@@ -107,4 +107,4 @@ def _band_means(bands: Bands, reflectance: Spectrum | float, name: str) -> Float
     if isinstance(reflectance, float):
         return np.full(len(bands), reflectance)
     with as_named(spectrum=name):
-        return bands.mean(reflectance.value, reflectance.wavelength_nm)
+        return bands.mean(reflectance)

@@ -88,14 +88,6 @@ class Observer:
             raise Error("noise: expected finite numbers above 0")
         object.__setattr__(self, "noise", tuple(noise.tolist()))
 
-    def direction(self) -> Floats:
-        """Where in the head's frame the target is: (3,)."""
-        azimuth, elevation = math.radians(self.azimuth_deg), math.radians(self.elevation_deg)
-        level = math.cos(elevation)
-        return np.array([
-            math.sin(azimuth) * level, math.sin(elevation), -math.cos(azimuth) * level
-        ])  # fmt: skip
-
 
 class Decision:
     """What an observer makes of what an eye sees of a target."""

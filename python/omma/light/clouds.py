@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import arrays_of, checked, one_of, positive, whole, within
+from omma.base.directions import direction
 from omma.light import sky_map
 from omma.light.bands import Bands
 from omma.light.cie_skies import scattered
@@ -199,7 +200,7 @@ def _own_light(
     elevation, azimuth = sky_map.sky_nodes(rows, columns)
     e, a = elevation[0][:, None], azimuth[None]
     sine = np.sin(e)
-    towards = np.stack(np.broadcast_arrays(np.cos(e) * np.sin(a), sine, -np.cos(e) * np.cos(a)), -1)
+    towards = direction(np.degrees(a), np.degrees(e))
     shape = (1 + (cloud.gradation - 1) * sine) * np.ones_like(a)
     sun = light.discs[0].direction if light.discs else _brightest(behind, towards)
     shape = shape * scattered(towards @ sun, *cloud.indicatrix)

@@ -12,7 +12,7 @@ from omma.light.bands import Bands
 from omma.light.lights import Light, makes_light
 from omma.light.skies import clear_sky, moonlit_sky
 from omma.light.sky_map import level_weights, sky_nodes
-from omma.light.sky_tables import LOWEST_SUN_DEG, WAVELENGTH_RANGE_NM, TableSky
+from omma.light.sky_tables import LOWEST_SUN_DEG, TableSky, check_range
 from omma.light.sun_position import moon_position, sun_position
 from omma.light.units import PHOTONS_PER_JOULE_NM, PLANCK_J_S, Unit, check_unit
 
@@ -65,8 +65,7 @@ def night_sky(*, albedo: float = 0.1, bands: Bands | None = None, unit: Unit = "
     bands = bands or Bands.equal()
     check_unit(unit)
     within(albedo, "albedo", 0, 1)
-    for nm in bands.wavelength_nm[[0, -1]]:
-        within(float(nm), "bands", *WAVELENGTH_RANGE_NM)
+    check_range(bands.wavelength_nm)
     rows = 91
     sine = np.sin(sky_nodes(rows, 4)[0][0])
     slant = (1 - 0.96 * (1 - sine**2)) ** -0.5

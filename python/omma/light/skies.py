@@ -19,7 +19,7 @@ from omma.light.sky_map import sky_nodes
 from omma.light.sky_tables import (
     LOWEST_SUN_DEG,
     SUN_DIAMETER_DEG,
-    WAVELENGTH_RANGE_NM,
+    check_range,
     clear_sky_map,
     sun_limb_darkening,
 )
@@ -121,9 +121,7 @@ def clear_sky(
     """
     bands = bands or Bands.equal()
     check_unit(unit)
-    low, high = bands.wavelength_nm[[0, -1]]
-    if low < WAVELENGTH_RANGE_NM[0] or high > WAVELENGTH_RANGE_NM[1]:
-        raise Error(f"bands: expected some within 300 to 700 nm, found {low:g} to {high:g} nm")
+    check_range(bands.wavelength_nm)
     sky, sun = clear_sky_map(
         bands.wavelength_nm,
         bands.weight,

@@ -31,6 +31,14 @@ SUN_DIAMETER_DEG = 0.533
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
+
+def check_range(wavelength_nm: Floats) -> None:
+    """omma.Error where bands, by their wavelengths (K,), ascending, reach beyond the tables."""
+    low, high = wavelength_nm[[0, -1]]
+    if low < WAVELENGTH_RANGE_NM[0] or high > WAVELENGTH_RANGE_NM[1]:
+        raise Error(f"bands: expected some within 300 to 700 nm, found {low:g} to {high:g} nm")
+
+
 # Offset of optical depth, with which log I is nearly a parabola over haze's share.
 _PART_BEND = 0.2
 

@@ -8,12 +8,11 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
 from omma.base.arguments import checked, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.lights import Disc, Light, makes_light
-from omma.light.sky_tables import WAVELENGTH_RANGE_NM, TableSky
+from omma.light.sky_tables import TableSky, check_range
 from omma.light.sun_position import load_ephem, observer_at, universal
 from omma.light.units import LIGHT_M_PER_S, PHOTONS_PER_JOULE_NM, PLANCK_J_S, Unit, check_unit
 
@@ -81,9 +80,7 @@ def stars(
     within(faintest_magnitude, "faintest_magnitude", -2, 5)
     bands = bands or Bands.equal()
     check_unit(unit)
-    low, high = bands.wavelength_nm[[0, -1]]
-    if low < WAVELENGTH_RANGE_NM[0] or high > WAVELENGTH_RANGE_NM[1]:
-        raise Error(f"bands: expected some within 300 to 700 nm, found {low:g} to {high:g} nm")
+    check_range(bands.wavelength_nm)
     observer = observer_at(moment, latitude_deg, longitude_deg)
     depth = _air_depth()
     found = []
