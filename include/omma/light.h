@@ -53,6 +53,9 @@ struct Light {
   LightUnit unit = LightUnit::photons;
   std::shared_ptr<const SkyMap> sky;  // null: dark
   std::vector<Disc> discs;
+  // [band], m^-1, of the air between surfaces: haze, mist, fog, which shows the sky's horizon
+  // (physics/path/air.h); empty: clear.
+  std::vector<double> extinction_per_m;
   // [material of the scene, and at the end of meshes without one], reflectance below 400 nm of what
   // is known in RGB only, as weights of linear red, green, blue and of 1; empty: none reflects any.
   std::vector<std::array<double, 4>> ultraviolet;

@@ -1385,6 +1385,7 @@ class Light:
         band_from_channel: (B, channels); None: channels are the bands.
         discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)
             or None).
+        extinction_per_m: (B,), of the air between surfaces; None: it is clear.
         ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
             400 nm of what is known in RGB only, as weights of red, green, blue and 1.
         emission_cd_m2: what white emission of 1 is, cd m^-2.
@@ -1395,7 +1396,7 @@ class Light:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None: ...
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: numpy.typing.ArrayLike | None, ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None: ...
 
     @property
     def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
@@ -1420,6 +1421,10 @@ class Light:
     @property
     def discs(self, /) -> tuple[tuple[tuple[float, float, float], float, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None], ...]:
         """Tuples as given."""
+
+    @property
+    def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
+        """Read-only, (B,); or None."""
 
     @property
     def ultraviolet(self, /) -> numpy.typing.NDArray[numpy.float64] | None:

@@ -74,7 +74,7 @@ std::vector<Disc> discs_argument(nb::handle discs) {
 
 Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, nb::handle unit,
                nb::handle sky, nb::handle band_from_channel, nb::handle discs,
-               nb::handle ultraviolet, nb::handle emission_cd_m2) {
+               nb::handle extinction_per_m, nb::handle ultraviolet, nb::handle emission_cd_m2) {
   Light light;
   light.bands.wavelength_nm = vector_of(double_array(wavelength_nm, "wavelength_nm", {-1}));
   light.bands.weight = vector_of(double_array(
@@ -83,6 +83,8 @@ Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, 
   light.unit = word_argument(units, unit, "unit");
   light.sky = sky_argument(sky, band_from_channel);
   light.discs = discs_argument(discs);
+  if (!extinction_per_m.is_none())
+    light.extinction_per_m = vector_of(double_array(extinction_per_m, "extinction_per_m", {-1}));
   if (!ultraviolet.is_none()) {
     const auto weights = double_array(ultraviolet, "ultraviolet", {-1, 4});
     light.ultraviolet.resize(weights.shape(0));
@@ -139,6 +141,7 @@ void bind_light(nb::module_& m) {
       "    band_from_channel: (B, channels); None: channels are the bands.\n"
       "    discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)\n"
       "        or None).\n"
+      "    extinction_per_m: (B,), of the air between surfaces; None: it is clear.\n"
       "    ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below\n"
       "        400 nm of what is known in RGB only, as weights of red, green, blue and 1.\n"
       "    emission_cd_m2: what white emission of 1 is, cd m^-2.\n\n"
@@ -147,21 +150,22 @@ void bind_light(nb::module_& m) {
           "__init__",
           [](Light* self, nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm,
              nb::handle unit, nb::handle sky, nb::handle band_from_channel, nb::handle discs,
-             nb::handle ultraviolet, nb::handle emission_cd_m2) {
+             nb::handle extinction_per_m, nb::handle ultraviolet, nb::handle emission_cd_m2) {
             Light made = light_of(wavelength_nm, weight, cell_nm, unit, sky, band_from_channel,
-                                  discs, ultraviolet, emission_cd_m2);
+                                  discs, extinction_per_m, ultraviolet, emission_cd_m2);
             run_long_work([&] { validate_light(made, made.ultraviolet.size()); });
             new (self) Light(std::move(made));
           },
           nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(), nb::arg("unit"),
           nb::arg("sky").none(), nb::arg("band_from_channel").none(), nb::arg("discs"),
-          nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
+          nb::arg("extinction_per_m").none(), nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: "
                   "numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, "
                   "sky: numpy.typing.ArrayLike | None, "
                   "band_from_channel: numpy.typing.ArrayLike | None, discs: "
                   "collections.abc.Iterable[tuple[numpy.typing.ArrayLike, float, "
-                  "numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], ultraviolet: "
+                  "numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: "
+                  "numpy.typing.ArrayLike | None, ultraviolet: "
                   "numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None"))
       .def_prop_ro(
           "wavelength_nm",
@@ -205,6 +209,16 @@ void bind_light(nb::module_& m) {
               "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None], "
               "...]")),
           "Tuples as given.")
+      .def_prop_ro(
+          "extinction_per_m",
+          [](Self self) -> nb::object {
+            const auto& extinction = nb::cast<const Light&>(self).extinction_per_m;
+            if (extinction.empty()) return nb::none();
+            return view(self, extinction.data(), {extinction.size()});
+          },
+          nb::for_getter(
+              nb::sig("def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
+          "Read-only, (B,); or None.")
       .def_prop_ro(
           "ultraviolet",
           [](Self self) -> nb::object {

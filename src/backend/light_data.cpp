@@ -215,6 +215,9 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
                                            const Placement& placement, const SceneView& view) {
   auto data = std::make_unique<LightData>();
   data->view.bands = static_cast<std::int32_t>(light.bands.count());
+  data->extinction_per_m.assign(light.extinction_per_m.begin(), light.extinction_per_m.end());
+  if (!light.extinction_per_m.empty())
+    data->view.extinction_per_m = data->extinction_per_m.data();
   const double distance_m = std::max(placement.half_size_m, 1e-6);
   const std::array<std::vector<double>, 3> sent = {
       make_far(*data, light), make_lamps(*data, light, scene, distance_m),

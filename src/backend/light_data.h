@@ -31,6 +31,7 @@ struct LightData {
   RowTable sky_intensity, sky_polarisation;  // I, and Q with U, as SkyView has them
   std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, cell_density;
   std::vector<std::uint16_t> row_guide, column_guide;
+  std::vector<float> extinction_per_m;  // [band]
   std::vector<DiscView> discs;
   std::vector<float> disc_radiance, disc_limb;  // [disc][band]
   std::vector<LampView> lamps;

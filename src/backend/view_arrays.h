@@ -198,6 +198,7 @@ void visit_arrays(EmissiveView& view, Visit& visit) {
 template <typename Visit>
 void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.sky, visit, view.bands);
+  visit(view.extinction_per_m, {view.bands});
   visit.views(view.discs, {view.disc_count}, view.bands);
   visit.views(view.lamps, {view.lamp_count}, view.bands);
   visit(view.lamp_sum, {view.lamp_count + 1});

@@ -159,6 +159,13 @@ void validate_light(const Light& light, std::size_t materials) {
   if (light.sky != nullptr) check_sky(*light.sky, bands);
   for (std::size_t i = 0; i < light.discs.size(); ++i)
     check_disc(light.discs[i], bands, "discs[" + std::to_string(i) + "]");
+  const std::vector<double>& extinction = light.extinction_per_m;
+  if (!extinction.empty() && extinction.size() != bands)
+    refuse("extinction_per_m", "one for each of " + std::to_string(bands) + " bands, or none",
+           std::to_string(extinction.size()));
+  for (const double x : extinction)
+    if (!(x >= 0 && x <= most_extinction_per_m))
+      refuse("extinction_per_m", "numbers of 0 to 1000", number_text(x));
   if (!(light.emission_cd_m2 >= 0 && light.emission_cd_m2 <= 1e15))
     refuse("emission_cd_m2", "a number of 0 to 1e15", number_text(light.emission_cd_m2));
   if (!light.ultraviolet.empty() && light.ultraviolet.size() != materials)

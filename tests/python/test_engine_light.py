@@ -22,6 +22,7 @@ def arguments(**changes: Any) -> dict[str, Any]:
         "sky": sky,
         "band_from_channel": None,
         "discs": [((0, 1, 0), 0.005, [1.0, 2.0], None), ((0, 0, -1), 0.01, [1, 1], [0.5, 1])],
+        "extinction_per_m": [0.5, 0.25],
         "ultraviolet": [[0, 0, 1, 0], [0, 0, 0, 0.05]],
     }
     return {**sound, **changes}
@@ -31,6 +32,7 @@ def test_what_is_given_comes_back_read_only() -> None:
     given = arguments(band_from_channel=[[1, 0], [0.5, 0.5]], unit="watts")
     light = _core.Light(**given)
     sky, matrix, ultraviolet = light.sky, light.band_from_channel, light.ultraviolet
+    extinction = light.extinction_per_m
     discs, weight, wavelength_nm = light.discs, light.weight, light.wavelength_nm
     assert light.unit == "watts"
     del light
@@ -38,10 +40,12 @@ def test_what_is_given_comes_back_read_only() -> None:
     assert sky is not None
     assert matrix is not None
     assert ultraviolet is not None
+    assert extinction is not None
     assert sky.dtype == np.float32
     np.testing.assert_array_equal(sky, given["sky"])
     np.testing.assert_array_equal(matrix, given["band_from_channel"])
     np.testing.assert_array_equal(ultraviolet, given["ultraviolet"])
+    np.testing.assert_array_equal(extinction, given["extinction_per_m"])
     np.testing.assert_array_equal(weight, given["weight"])
     np.testing.assert_array_equal(wavelength_nm, given["wavelength_nm"])
     assert [disc[0] for disc in discs] == [(0, 1, 0), (0, 0, -1)]
@@ -49,14 +53,16 @@ def test_what_is_given_comes_back_read_only() -> None:
     np.testing.assert_array_equal(discs[0][2], [1, 2])
     assert discs[0][3] is None
     np.testing.assert_array_equal(discs[1][3], [0.5, 1])
-    for array in (sky, matrix, ultraviolet, weight, wavelength_nm, discs[0][2]):
+    for array in (sky, matrix, ultraviolet, extinction, weight, wavelength_nm, discs[0][2]):
         assert not array.flags.writeable
 
 
 def test_what_is_not_given_is_none() -> None:
-    light = _core.Light(**arguments(sky=None, discs=[], ultraviolet=None, cell_nm=None))
+    missing = dict.fromkeys(["sky", "extinction_per_m", "ultraviolet", "cell_nm"])
+    light = _core.Light(**arguments(**missing, discs=[]))
     assert light.sky is None
     assert light.band_from_channel is None
+    assert light.extinction_per_m is None
     assert light.discs == ()
     assert light.ultraviolet is None
 
@@ -92,6 +98,9 @@ def spoilt(change: Callable[[np.ndarray], None]) -> np.ndarray:
         ("discs[0].angular_radius_rad", {"discs": [((0, 1, 0), 1.0, [1, 1], None)]}),
         ("discs[0].radiance", {"discs": [((0, 1, 0), 0.01, [1], None)]}),
         ("discs[0].limb_darkening", {"discs": [((0, 1, 0), 0.01, [1, 1], [2, 0])]}),
+        ("extinction_per_m", {"extinction_per_m": [1.0]}),
+        ("extinction_per_m", {"extinction_per_m": [1.0, -1.0]}),
+        ("extinction_per_m", {"extinction_per_m": [1.0, 1001.0]}),
         ("ultraviolet", {"ultraviolet": [[0, 0, 1]]}),
         ("ultraviolet", {"ultraviolet": [[1, 1, 0, 0]]}),
     ],

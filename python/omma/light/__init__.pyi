@@ -1,3 +1,4 @@
+from .air import with_air
 from .bands import Bands, band_from_rgb, primary_spectra
 from .cie_skies import cie_relative_luminance, cie_sky
 from .clouds import cloud_transmittance, clouded, cloudy_sky
@@ -50,4 +51,5 @@ __all__ = [
     "sunset",
     "uniform_sky",
     "watts_from_photons",
+    "with_air",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -123,7 +123,7 @@ def clouded(
     # The ground is as bright as what falls on it.
     before, after = (sum(one.irradiance()) for one in (light, clouds))
     sky[1] *= np.divide(after, before, out=np.zeros_like(after), where=before > 0)
-    return Light(light.bands, light.unit, sky, discs=discs)
+    return replace(clouds, sky=sky, extinction_per_m=light.extinction_per_m)
 
 
 @checked

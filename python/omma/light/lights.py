@@ -30,6 +30,7 @@ Recipe = tuple[str, dict[str, Any]]
 _SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
 # Of the brightest of a light: what is much weaker is 0 in single precision.
 LEAST_RADIANCE = 1e-30
+_MOST_EXTINCTION_PER_M = 1000.0
 # So that rounding stays far below what is looked at.
 MOST_AZIMUTH_DEG = 1e6
 # Letters of a repr for how a light was made.
@@ -116,6 +117,7 @@ class Light:
         component I, or three I, Q, U. None: dark.
     band_from_channel: (B, channels), as of a panorama in RGB. None: channels are the bands.
     discs: the sun, the moon.
+    extinction_per_m: (B,), of the air between surfaces (`with_air`). None: it is clear.
     recipe: the name and the arguments of what made it, which is what a pickle holds. None: of
         numbers, which a pickle then holds.
 
@@ -129,6 +131,7 @@ class Light:
     sky: NDArray[np.float32] | None = None
     band_from_channel: Floats | None = None
     discs: tuple[Disc, ...] = ()
+    extinction_per_m: Floats | None = None
     recipe: Recipe | None = None
 
     def __post_init__(self) -> None:
@@ -152,6 +155,12 @@ class Light:
         check_not_lost(
             [*(one.radiance for one in discs), *([] if self.sky is None else [self.sky])], "light"
         )
+        air = self.extinction_per_m
+        if air is not None:
+            air = _strengths(air, "extinction_per_m", (len(self.bands),))
+            if np.any(air > _MOST_EXTINCTION_PER_M):
+                raise Error(f"extinction_per_m: expected at most 1000 per m, found {air.max():g}")
+        object.__setattr__(self, "extinction_per_m", air)
         object.__setattr__(self, "band_from_channel", matrix)
         object.__setattr__(self, "discs", discs)
 
@@ -175,6 +184,9 @@ class Light:
                 f"at azimuth {azimuth:.4g}°, elevation {elevation:.4g}°, "
                 f"{2 * np.degrees(disc.angular_radius_rad):.3g}° across"
             )
+        if self.extinction_per_m is not None:
+            thin, thick = np.sort(self.extinction_per_m)[[0, -1]]
+            rows["air"] = f"extinction {thin:.3g} to {thick:.3g} m⁻¹ by band"
         rows["on level ground"] = f"{total[0]:.3g} {unit} from the sky, {total[1]:.3g} from discs"
         return html_table("omma.light.Light", rows)
 
@@ -263,12 +275,15 @@ class Light:
             [2.5, 0.5]
 
         Raises:
-            omma.Error: other bands, or another unit.
+            omma.Error: other bands, another unit, or other air.
         """
         if self.bands != other.bands:
             raise Error(f"other: expected light in the same bands, found {other.bands!r:.80}")
         if self.unit != other.unit:
             raise Error(f"other: expected light in {self.unit}, found {other.unit}")
+        airs = [one.extinction_per_m for one in (self, other) if one.extinction_per_m is not None]
+        if len(airs) == 2 and not np.array_equal(airs[0], airs[1]):
+            raise Error("other: expected light in the same air, found other extinction_per_m")
         skies = [one._sky_in_bands() for one in (self, other) if one.sky is not None]
         recipe = None if other.recipe is None else self._changed("plus", other=other)
         return Light(
@@ -276,6 +291,7 @@ class Light:
             self.unit,
             skies[0] if len(skies) == 1 else sky_map.added(*skies) if skies else None,
             discs=_joined([*self.discs, *other.discs]),
+            extinction_per_m=airs[0] if airs else None,
             recipe=recipe,
         )
 
@@ -346,6 +362,7 @@ class Light:
                 )
                 for one in self.discs
             ],
+            "extinction_per_m": self.extinction_per_m,
             "ultraviolet": None,
         }
 

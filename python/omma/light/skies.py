@@ -28,6 +28,8 @@ from omma.light.units import Unit, check_unit
 
 Floats = NDArray[np.float64]
 
+CLEAR_SKY_AEROSOL = 0.1  # of `clear_sky`, where nothing is said
+
 _MOON_RADIUS_RAD = float(np.radians(0.518 / 2))  # at its mean distance
 
 # Visual magnitudes of the sun and of the full moon, and how much a moon that is not full loses
@@ -95,7 +97,7 @@ def clear_sky(
     sun_elevation_deg: float,
     *,
     sun_azimuth_deg: float = 0.0,
-    aerosol: float = 0.1,
+    aerosol: float = CLEAR_SKY_AEROSOL,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
     bands: Bands | None = None,

@@ -342,6 +342,15 @@ def _scattered_once(
     return _at_nodes(table, "rayleigh_depth")[:, None, None] * air, of_haze[:, None, None] * haze
 
 
+def depths_of_air_and_haze(wavelength_nm: Floats) -> tuple[Floats, Floats]:
+    """Optical depths upwards, (K,): of air without haze and ozone, and of haze that has 1 at
+    550 nm."""
+    table = _tables()
+    fine = table["fine_nm"]
+    air, haze = (np.interp(wavelength_nm, fine, table[f"{k}_depth"]) for k in ("rayleigh", "haze"))
+    return air, haze
+
+
 def _at_nodes(table: dict[str, Any], depth: str) -> Floats:
     return np.asarray(np.interp(table["wavelength_nm"], table["fine_nm"], table[depth]))
 

@@ -11,6 +11,7 @@
 
 #include "physics/light/near_light.h"
 #include "physics/light/sun_map.h"
+#include "physics/path/air.h"
 #include "physics/path/baked_scatter.h"
 #include "physics/path/transmittance.h"
 #include "physics/rays/search_rays.h"
@@ -142,6 +143,8 @@ OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const LightSamp
   (seen & lights.near).for_each([&](int l) {
     eval_light_sample(scene, lights.other[l], components, arriving + l, L::count, stride);
   });
+  if (has_air(scene))
+    dim_by_air<L>(scene, seen & lights.near, lights.distance_m, components, arriving);
   add_disc_light<L>(light, lights.direction, far_seen, nullptr, arriving);
   if (lets_through(scene))
     for (int c = 0; c < components; ++c)

@@ -185,6 +185,7 @@ OMMA_HD void add_shining(const Flight<L, Search>& flight, const GatherPoints<L>&
   open.for_each([&](int l) {
     eval_light_sample(scene, lights.other[l], 1, memory.light + l, n, flight.stride());
   });
+  if (has_air(scene)) dim_by_air<L>(scene, open, lights.distance_m, 1, memory.light);
   const bool dims = lets_through(scene);
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);

@@ -7,6 +7,7 @@
 // Read trace_flight first, which is one step of all paths of a packet.
 #pragma once
 
+#include "physics/path/air.h"
 #include "physics/path/direct_light.h"
 #include "physics/path/lit_splats.h"
 #include "physics/rays/hits.h"
@@ -16,7 +17,8 @@ namespace omma {
 
 // Whether the flight after the last scattering that the depth allows can only find light from afar.
 OMMA_HD bool ends_in_the_dark(const SceneView& scene) {
-  return scene.depth > 0 && !lets_through(scene) && scene.light->emissive_count == 0;
+  return scene.depth > 0 && !lets_through(scene) && scene.light->emissive_count == 0 &&
+         !has_air(scene);
 }
 
 // Lanes whose paths have been scattered as often as the depth allows.
@@ -94,6 +96,17 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
+// Lanes whose paths go straight on through what they met.
+template <typename L>
+OMMA_HD LaneMask<L> goes_straight(const ScatteringSample<L>& sample) {
+  using I = typename L::I;
+  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
+  return lanes_where<L>([&](int l) {
+    const I lobe = load<I>(sample.lobe + l);
+    return lobe == let_by || lobe == straight;
+  });
+}
+
 // Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
 // Returns the lanes that go on.
 template <typename L, typename Search>
@@ -102,7 +115,6 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
                                    const ScatteringSample<L>& sample) {
   using F = typename L::F;
   using I = typename L::I;
-  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
   alignas(L::count * 4) float most[L::count];
   update_throughput(flight, sample, most);
   on &= lanes_where<L>([&](int l) {
@@ -111,11 +123,7 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
            (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f);
   });
   LaneMask<L> by;
-  if (flight.passed != nullptr)
-    by = on & lanes_where<L>([&](int l) {
-           const I lobe = load<I>(sample.lobe + l);
-           return lobe == let_by || lobe == straight;
-         });
+  if (flight.passed != nullptr) by = on & goes_straight<L>(sample);
   const LaneMask<L> scattered = play_roulette(flight, on & ~by, sample, most);
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
   scatter_rays(flight, scattered, geometry, sample);
@@ -133,6 +141,8 @@ OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMa
   ScatteringSample<L> sample;
   sample_scattering<L>(flight.packet, flight.state, points, on & ~by, sample);
   by.for_each([&](int l) { sample.lobe[l] = let_by; });
+  if (has_air(flight.scene) && flight.passed != nullptr)
+    undo_air(flight, on & goes_straight<L>(sample));
   return continue_paths(flight, on, geometry, sample);
 }
 
@@ -181,10 +191,9 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
     eval_lit_surfaces<L>(scene, packet, hits, geometry, flight.memory, surface);
   }
 
-  // Light at the end of the rays: from afar, and emission.
+  // Light at the end of the rays: from afar; below, emission.
   if (missed.any()) add_far(flight, missed, far);
   if (!met.any()) return {};
-  if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end.
   const LaneMask<L> by =
@@ -194,6 +203,8 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   if (is_baked) eval_baked(flight, baked, geometry, surface, scattering);
   ScatteringPacket<L> points;
   make_scattering(flight, surface, points);
+  if (has_air(scene)) pass_air(flight, surface, points, met);
+  if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Next-event estimation.
   add_light_samples(flight, geometry, points, scattering);

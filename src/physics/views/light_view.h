@@ -86,6 +86,7 @@ struct AimView {
 struct LightView {
   std::int32_t bands = 0;
   SkyView sky;
+  const float* extinction_per_m = nullptr;  // [band], of the air (path/air.h); null: it is clear
   const DiscView* discs = nullptr;
   std::int32_t disc_count = 0;
 

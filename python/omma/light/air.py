@@ -1,0 +1,118 @@
+"""Air between surfaces: haze, mist and fog, which hide what is far behind the sky's horizon."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of, checked, within
+from omma.light.lights import Light, makes_light
+from omma.light.skies import CLEAR_SKY_AEROSOL
+from omma.light.sky_tables import depths_of_air_and_haze
+
+Floats = NDArray[np.float64]
+
+# Contrast at the meteorological optical range (CIE e-ILV 17-31-018).
+_LEAST_CONTRAST = 0.05
+_VISIBILITY_NM = 550.0
+_VISIBILITIES_M = (1.0, 250e3)
+_MOST_ANGSTROM = 4.1
+# Heights in which air and haze would be, were they as thick all the way up as at sea level. Of
+# air: R T / (g M) of the standard atmosphere, at 288.15 K. Of haze: that of the tables of
+# `clear_sky`, which thins out exponentially (bench/notes/clear-sky.md).
+_AIR_HEIGHT_M = 8.314462618 * 288.15 / (9.80665 * 0.0289644)
+_HAZE_HEIGHT_M = 2000.0
+
+
+@checked
+@makes_light
+def with_air(
+    light: Light,
+    visibility_m: float | None = None,
+    *,
+    angstrom: float | None = None,
+    extinction_per_m: ArrayLike | None = None,
+) -> Light:
+    """A light with air between surfaces: haze, mist, fog.
+
+    Over a distance d air of extinction σ leaves exp(-σ d) of what a surface sends, and shows the
+    sky at the horizon for the rest, with its polarisation. So contrast to the horizon falls by
+    exp(-σ d) (Koschmieder 1924). Light from afar is as it is: skies are seen through their air.
+
+    Args:
+        light: with a sky; air without one shows black.
+        visibility_m: meteorological optical range, at which 0.05 of the contrast is left at 550 nm
+            (CIE e-ILV 17-31-018): 3.0 / σ; 1 m to 250 km. Below 1 km it is fog. None: the air and
+            the haze that the sky of ``light`` was computed with, if it is one of `clear_sky`.
+        angstrom: how σ falls with wavelength, σ ~ wavelength^-angstrom, 0 to 4.1. None: as Kim,
+            McArthur and Korevaar (Proc. SPIE 4214:26, 2001) have it by visibility: 0 up to 500 m,
+            then rising to 0.5 at 1 km and 1.3 at 6 km, 1.6 from 50 km on.
+        extinction_per_m: σ as measured, a number or (B,), instead of both.
+
+    Example:
+        >>> fog = omma.light.with_air(omma.light.overcast_sky(30.0), visibility_m=200)
+        >>> fog.extinction_per_m[0].round(4)
+        0.015
+        >>> clear = omma.light.with_air(omma.light.clear_sky(30.0, aerosol=0.05))
+        >>> (3.0 / clear.extinction_per_m[[0, 8, 15]] / 1000).round()    # km, at 312, 512, 688 nm
+        array([16., 67., 116.])
+
+    Raises:
+        omma.Error: a number out of range, several of the three, or none and a sky that does not
+            say what air it has.
+    """
+    if extinction_per_m is not None:
+        if visibility_m is not None or angstrom is not None:
+            raise Error("extinction_per_m: expected it alone, found visibility_m or angstrom too")
+        given = array_of(extinction_per_m, "extinction_per_m")
+        extinction = np.full(len(light.bands), given) if given.ndim == 0 else given
+    elif visibility_m is not None:
+        within(visibility_m, "visibility_m", *_VISIBILITIES_M)
+        power = _kim_exponent(visibility_m / 1000) if angstrom is None else angstrom
+        within(power, "angstrom", 0, _MOST_ANGSTROM)
+        at_550 = -np.log(_LEAST_CONTRAST) / visibility_m
+        extinction = light.bands.mean(lambda nm: at_550 * (nm / _VISIBILITY_NM) ** -power)
+    elif angstrom is not None:
+        raise Error("angstrom: goes with visibility_m, found none")
+    else:
+        extinction = light.bands.mean(_of_clear_sky(_aerosol_of(light)))
+    return replace(light, extinction_per_m=extinction)
+
+
+def _kim_exponent(visibility_km: float) -> float:
+    if visibility_km >= 50:
+        return 1.6
+    if visibility_km >= 6:
+        return 1.3
+    if visibility_km >= 1:
+        return 0.16 * visibility_km + 0.34
+    return max(0.0, visibility_km - 0.5)
+
+
+def _of_clear_sky(aerosol: float) -> Callable[[Floats], Floats]:
+    """Extinction, m⁻¹, by wavelength of the air at the ground under a clear sky."""
+
+    def extinction_per_m(nm: Floats) -> Floats:
+        air, haze = depths_of_air_and_haze(nm)
+        return air / _AIR_HEIGHT_M + aerosol * haze / _HAZE_HEIGHT_M
+
+    return extinction_per_m
+
+
+def _aerosol_of(light: Light) -> float:
+    """Haze that a light's sky was computed with."""
+    recipe = light.recipe
+    while recipe is not None:
+        name, arguments = recipe
+        if name == "clear_sky":
+            return float(arguments.get("aerosol", CLEAR_SKY_AEROSOL))
+        inner = arguments.get("light")
+        recipe = inner.recipe if isinstance(inner, Light) else None
+    raise Error(
+        "visibility_m: expected a number, as this light is not a clear sky's, which says how much "
+        f"air and haze there are: found {light!r:.80}"
+    )

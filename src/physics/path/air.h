@@ -1,0 +1,131 @@
+// Air between surfaces: haze, mist, fog. Over a distance d it leaves T = exp(-σ d) of light (σ its
+// extinction coefficient, alike everywhere, by band) and adds light of its own,
+//
+//   L = T L_0 + (1 - T) J,
+//
+// J what a level line of sight without end shows, so the sky at the horizon in the ray's azimuth,
+// with its polarisation (Koschmieder 1924, Theorie der horizontalen Sichtweite; Duntley 1948, The
+// reduction of apparent contrast by the atmosphere). Light from afar is as it arrives, through air.
+#pragma once
+
+#include "physics/path/path_light.h"
+#include "physics/path/path_scatter.h"
+
+namespace omma {
+
+// Beyond this optical depth, 10^-26, no more is hidden: so what is left can be divided by.
+inline constexpr float greatest_depth = 60.0f;
+
+// exp(-x), 0 <= x <= greatest_depth, within 2 units in the last place; the same steps for one lane
+// and for many, as a library's function differs between processors. x = k ln 2 + f (Cody and Waite
+// 1980), and of exp(-f), |f| <= ln 2 / 2, the series to the seventh power, which errs by 10^-8.
+template <typename F>
+OMMA_HD F exp_minus(F x) {
+  const F k = floor_lanes(x * 1.44269504f + 0.5f);
+  const F f = (x - k * 0.693359375f) + k * 2.12194440e-4f;
+  F sum = broadcast<F>(1.0f);
+  for (int n = 7; n > 0; --n) sum = 1.0f - sum * f * (1.0f / static_cast<float>(n));
+  return sum * float_of((127 - to_int(k)) << 23);
+}
+
+OMMA_HD bool has_air(const SceneView& scene) {
+  return scene.light->extinction_per_m != nullptr;
+}
+
+// T of a band over a distance, m; 1 where that has no end.
+template <typename F>
+OMMA_HD F air_transmittance(const SceneView& scene, int band, F distance_m) {
+  const F depth = distance_m * scene.light->extinction_per_m[band];
+  const F most = broadcast<F>(greatest_depth), one = broadcast<F>(1.0f);
+  return distance_m < INFINITY ? exp_minus(depth < most ? depth : most) : one;
+}
+
+// What air leaves of light from lamps and surfaces that shine, `light` [component][band][lane].
+template <typename L>
+OMMA_HD_CALLED void dim_by_air(const SceneView& scene, LaneMask<L> lanes, const float* distance_m,
+                               int components, float* light) {
+  using F = typename L::F;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto is = lanes.at(l);
+    if (!any_lane(is)) continue;
+    for (int b = 0; b < scene.bands; ++b) {
+      const F left = is ? air_transmittance(scene, b, load<F>(distance_m + l)) : broadcast<F>(1.0f);
+      for (int c = 0; c < components; ++c) {
+        float* const at = light + (c * scene.bands + b) * L::count + l;
+        store(at, load<F>(at) * left);
+      }
+    }
+  }
+}
+
+// Adds (1 - T) J of the rays of some lanes, and leaves T of their paths' throughput. What goes
+// straight on through a surface is left out: the ray to what lies behind has all of the way, so
+// that sheets that let all light by are not seen.
+template <typename L, typename Search>
+OMMA_HD_CALLED void pass_air(const Flight<L, Search>& flight, const LitSurface<L>& surface,
+                             const ScatteringPacket<L>& points, LaneMask<L> met) {
+  using F = typename L::F;
+  constexpr int n = L::count;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  const RayPacket<n>& rays = flight.packet.rays;
+  const LaneMask<L> keeps =
+      scene.polarized ? keeping_polarisation<L>(flight.state) & met : LaneMask<L>{};
+
+  // J: the horizon of the sky below or above each ray.
+  alignas(n * 4) float level[3][n], axis[3][n] = {}, weight[n] = {};
+  for (int l = 0; l < n; l += L::width) {
+    const auto d = load_vector<F>(rays.direction, l);
+    store_vector(level, l, Vector3<F>{d.x, F{}, d.z});
+    store(weight + l, keep(met.at(l), load<F>(surface.alpha + l)));
+  }
+  SkyLookups<L> on_sky;
+  find_far<L>(*scene.light, level, met, on_sky);
+  eval_sky_lanes<L>(*scene.light, {level, on_sky, met, keeps, false}, flight.components(),
+                    memory.light);
+
+  for (int l = 0; l < n; l += L::width) {
+    const auto is = met.at(l);
+    if (!any_lane(is)) continue;
+    const F straight = points.point[l / L::width].straight, one = broadcast<F>(1.0f);
+    for (int b = 0; b < scene.bands; ++b) {
+      const int at = b * n + l;
+      const F left = is ? air_transmittance(scene, b, load<F>(rays.t_far_m + l)) : one;
+      const F added =
+          keep(is, (1.0f - left) * (1.0f - straight * load<F>(memory.reflectance + at)));
+      for (int c = 0; c < flight.components(); ++c) {
+        float* const light = memory.light + c * flight.stride() + at;
+        store(light, load<F>(light) * added);
+      }
+    }
+  }
+  if (keeps.any()) vertical_axes<L>(rays.direction, axis);
+  add_light(flight, weight, axis, memory.light);
+  for (int l = 0; l < n; l += L::width) {
+    const auto is = met.at(l);
+    for (int b = 0; b < scene.bands; ++b) {
+      float* const at = memory.throughput + b * n + l;
+      const F all = load<F>(at);
+      store(at, is ? all * air_transmittance(scene, b, load<F>(rays.t_far_m + l)) : all);
+    }
+  }
+}
+
+// Takes T back for paths that go straight on: what they meet next is dimmed by all of the way.
+template <typename L, typename Search>
+OMMA_HD_CALLED void undo_air(const Flight<L, Search>& flight, LaneMask<L> straight) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto is = straight.at(l);
+    if (!any_lane(is)) continue;
+    const F distance_m = load<F>(flight.packet.rays.t_far_m + l);
+    for (int b = 0; b < scene.bands; ++b) {
+      float* const at = flight.memory.throughput + b * L::count + l;
+      const F dimmed = load<F>(at);
+      store(at, is ? dimmed / air_transmittance(scene, b, distance_m) : dimmed);
+    }
+  }
+}
+
+}  // namespace omma

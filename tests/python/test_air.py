@@ -1,0 +1,159 @@
+"""Air between surfaces: how contrast falls with distance, its colours, its polarisation, and what
+becomes of it where lights are changed. Closed forms in the engine: tests/cpp/render_air.cpp."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import omma
+from omma import Error
+from omma.light import clear_sky, clouded, overcast_sky, uniform_sky, with_air
+
+FEW = omma.light.Bands.equal(4)
+POSE = np.eye(4)
+AT_550 = omma.light.Bands.equal(1, 549.9, 550.1)
+
+
+def wall(distance_m, reflectance=0.0):
+    """A grey square across -Z, as wide as it is far."""
+    material = omma.scene.Material(
+        reflectance=omma.light.Spectrum([300, 700], [reflectance] * 2),
+        specular=0.0,
+        double_sided=True,
+    )
+    half = 0.5 * distance_m
+    corners = [(-half, -half), (half, -half), (half, half), (-half, half)]
+    mesh = omma.scene.Mesh(
+        [(x, y, -distance_m) for x, y in corners], [(0, 1, 2), (0, 2, 3)], material=0
+    )
+    return omma.Scene(meshes=[mesh], materials=[material], instances=[omma.scene.Instance(mesh=0)])
+
+
+def seen_ahead(light, scene, **world):
+    """The light that comes along -Z, all components: (bands,) or of a polarised world more."""
+    world = omma.World(scene, light=light, lighting="path", **world)
+    eye = omma.Eye([(0, 0, 0)], [(0, 0, -1)], [0.0])
+    renderer = omma.Renderer(world, eye, sampling=omma.Fixed(1))
+    return renderer.render_stokes(POSE) if world.polarized else renderer.render(POSE)
+
+
+@pytest.mark.parametrize("visibility_m", [50.0, 2e3, 60e3])
+def test_contrast_to_the_horizon_is_a_twentieth_at_the_visibility(visibility_m):
+    light = with_air(clear_sky(35.0, sun_azimuth_deg=120, bands=AT_550), visibility_m)
+    horizon = light.radiance((0, 0, -1))[0]
+    for share in (0.1, 0.5, 1.0):
+        black = np.asarray(seen_ahead(light, wall(share * visibility_m))).ravel()
+        contrast = 1 - black / horizon
+        # Koschmieder 1924: exp(-σ d), of a contrast of 1.
+        np.testing.assert_allclose(contrast, 0.05**share, rtol=1e-3)
+
+
+def test_hills_are_the_bluer_the_farther():
+    light = with_air(clear_sky(40.0, sun_azimuth_deg=180, bands=FEW))
+    seen = np.array([np.ravel(seen_ahead(light, wall(d))) for d in (10, 1e3, 10e3)])
+    share = seen / light.radiance((0, 0, -1))[0]
+    assert np.all(np.diff(share, axis=0) > 0)
+    assert np.all(np.diff(share, axis=1) < 0)  # short waves first
+
+
+def test_air_is_polarised_as_the_horizon_is():
+    sky = clear_sky(20.0, sun_azimuth_deg=90, aerosol=0.0, bands=FEW)
+    light = with_air(sky, 1000.0)
+    horizon = light.radiance((0, 0, -1))
+    assert np.hypot(*horizon[1:])[-1] > 0.4 * horizon[0, -1]
+    stokes = np.asarray(seen_ahead(light, wall(300.0), polarized=True)).reshape(3, len(FEW))
+    left = np.exp(-300 * light.extinction_per_m)
+    scale = horizon[0].max()
+    np.testing.assert_allclose(stokes / scale, (1 - left) * horizon / scale, atol=2e-5)
+
+
+def test_baked_light_is_seen_through_air_and_gets_air_light():
+    """Between two walls in fog, of which each is lit by the other and by the sky."""
+    light = with_air(uniform_sky(1.0, bands=AT_550), 30.0)
+    scene = omma.scene.merge_scenes([wall(6.0, 0.6), wall(-6.0, 0.3)])
+    eye = omma.Eye(np.zeros((3, 3)), [(0, 0, -1), (0.3, 0.1, -1), (0, 0, 1)], [0.1] * 3)
+    pair = []
+    for lighting in ("path", "baked"):
+        bake = omma.scene.Bake(cache=False, paths=256) if lighting == "baked" else None
+        world = omma.World(scene, light=light, lighting=lighting, bake=bake)
+        renderer = omma.Renderer(world, eye, sampling=omma.Fixed(512))
+        pair.append(renderer.render(POSE, standard_error=True))
+    (paths, error), (baked, of_bake) = pair
+    assert np.all(error > 0)
+    assert np.all(np.abs(paths - baked) < 4 * np.hypot(error, of_bake))
+    assert np.all(of_bake < 0.03 * baked)
+
+
+class TestExtinction:
+    def test_by_visibility_and_wavelength(self):
+        """Kim, McArthur and Korevaar 2001, table 1."""
+        bands = omma.light.Bands([450.0, 550.0, 650.0], np.eye(3))
+        for visibility_m, power in [(300, 0), (800, 0.3), (3000, 0.82), (20e3, 1.3), (80e3, 1.6)]:
+            air = with_air(uniform_sky(1.0, bands=bands), visibility_m).extinction_per_m
+            assert air[1] == pytest.approx(np.log(20) / visibility_m)
+            np.testing.assert_allclose(
+                air / air[1], (np.array([450, 550, 650]) / 550) ** -power, rtol=1e-6
+            )
+        own = with_air(uniform_sky(1.0, bands=bands), 300, angstrom=2.0).extinction_per_m
+        assert own[0] / own[1] == pytest.approx((550 / 450) ** 2)
+
+    def test_of_clear_air(self):
+        """Bucholtz (Appl. Opt. 34:2765, 1995): 1.162e-5 per m at 550 nm, recalled; of the tables'
+        air 0.7 % less, as of its optical depth."""
+        air = with_air(clear_sky(30.0, aerosol=0.0, bands=AT_550)).extinction_per_m
+        assert air[0] == pytest.approx(1.162e-5, rel=0.015)
+
+    def test_of_the_sky_that_it_is_under(self):
+        clear = clear_sky(30.0, aerosol=0.2, bands=AT_550)
+        air = with_air(clear_sky(30.0, aerosol=0.0, bands=AT_550)).extinction_per_m
+        hazy = with_air(clear).extinction_per_m
+        assert (hazy - air)[0] == pytest.approx(0.2 / 2000, rel=1e-3)
+        through = clouded(clear, 0.5).turned(20).scaled(0.5)
+        np.testing.assert_array_equal(with_air(through).extinction_per_m, hazy)
+        usual = with_air(clear_sky(30.0, bands=AT_550)).extinction_per_m
+        assert (usual - air)[0] == pytest.approx(0.1 / 2000, rel=1e-3)
+        with pytest.raises(Error, match="visibility_m: expected a number"):
+            with_air(overcast_sky(30.0))
+
+    def test_as_measured(self):
+        assert with_air(uniform_sky(bands=FEW), extinction_per_m=0.5).extinction_per_m.tolist() == [
+            0.5
+        ] * len(FEW)
+        with pytest.raises(Error, match="extinction_per_m"):
+            with_air(uniform_sky(bands=FEW), extinction_per_m=[1, 2])
+        with pytest.raises(Error, match="extinction_per_m"):
+            with_air(uniform_sky(bands=FEW), extinction_per_m=-1)
+        with pytest.raises(Error, match="at most 1000"):
+            with_air(uniform_sky(bands=FEW), extinction_per_m=2000)
+        with pytest.raises(Error, match="expected it alone"):
+            with_air(uniform_sky(bands=FEW), 100, extinction_per_m=0.5)
+        with pytest.raises(Error, match="goes with visibility_m"):
+            with_air(uniform_sky(bands=FEW), angstrom=1.0)
+        with pytest.raises(Error, match="1 to 250000"):
+            with_air(uniform_sky(bands=FEW), 0.5)
+
+
+class TestLightsInAir:
+    def test_keep_it_when_they_are_changed(self):
+        foggy = with_air(clear_sky(30.0, bands=FEW), 500.0)
+        air = foggy.extinction_per_m
+        even = uniform_sky(bands=FEW)
+        changes = [foggy.turned(30), 0.5 * foggy, clouded(foggy, 0.3), foggy + even, even + foggy]
+        for changed in [*changes, foggy + foggy]:
+            np.testing.assert_array_equal(changed.extinction_per_m, air)
+        with pytest.raises(Error, match="the same air"):
+            foggy + with_air(clear_sky(30.0, bands=FEW), 400.0)
+
+    def test_are_values(self):
+        foggy = with_air(clear_sky(30.0, bands=FEW), 500.0)
+        assert pickle.loads(pickle.dumps(foggy)) == foggy
+        numbers = replace(foggy, recipe=None)
+        assert pickle.loads(pickle.dumps(numbers)) == numbers
+        assert foggy != clear_sky(30.0, bands=FEW)
+        assert "with_air(" in repr(foggy)
+        assert "air" in foggy._repr_html_()
+        assert not foggy.extinction_per_m.flags.writeable
+        other = omma.light.Bands.equal(8)
+        assert foggy.in_bands(other) == with_air(clear_sky(30.0, bands=other), 500.0)
