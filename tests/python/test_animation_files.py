@@ -296,7 +296,7 @@ def test_lamps_stand_still_and_say_so(tmp_path):
     made.document["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}
     made.node(0, name="lamp", extensions={"KHR_lights_punctual": {"light": 0}})
     path = made.write(tmp_path / "lamp.gltf")
-    with pytest.warns(UserWarning, match="without a light|stand still"):
+    with pytest.warns(UserWarning, match="stand still"):
         scene = omma.load_scene(path)
     assert any("lamps that an animation moves stand still" in one for one in scene.warnings)
     assert json.loads(path.read_text())["nodes"][0]["children"] == [1]

@@ -8,6 +8,7 @@ process that the add-on starts and the files that it adds to, is tested everywhe
 import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -261,8 +262,8 @@ def test_rendering_leaves_the_scene_as_it_was(rendered):
 
 def test_the_file_says_what_the_scene_has(rendered):
     folder, _ = rendered
-    with pytest.warns(UserWarning, match="without a light .* 2 lamps"):
-        scene = omma.load_scene(folder / "parts.gltf")
+    scene = omma.load_scene(folder / "parts.gltf")
+    assert any(re.match("without a light .* 2 lamps", one) for one in scene.warnings)
     grass = next(one for one in scene.materials if one.name == "grass")
     np.testing.assert_array_equal(grass.reflectance.wavelength_nm, [300, 500, 550, 700])
     assert grass.spectral_luminance == np.float32(0.3)
@@ -286,8 +287,7 @@ def test_the_file_says_what_the_scene_has(rendered):
 def test_left_is_left_and_up_is_up(rendered):
     folder, _ = rendered
     head = omma.load_eye(EYE)
-    with pytest.warns(UserWarning, match="without a light"):
-        scene = omma.load_scene(folder / "whole.glb")
+    scene = omma.load_scene(folder / "whole.glb")
     pose = scene.camera("back").world_from_camera
     np.testing.assert_allclose(pose[:3, 3], 0, atol=1e-6)  # where Blender's cursor was
     np.testing.assert_allclose(pose[:3, 2], [0, 0, -1], atol=1e-6)  # it looks along -y, glTF's +z
@@ -304,9 +304,9 @@ def test_left_is_left_and_up_is_up(rendered):
 
 def test_animations_go_through_the_frames_of_blender(blender):
     folder, said = blender("animates", eye=str(EYE))
+    scene = omma.load_scene(folder / "flight.glb")
     with pytest.warns(UserWarning, match="without a light"):
-        scene = omma.load_scene(folder / "flight.glb")
-    world = omma.World(scene)
+        world = omma.World(scene)
     assert len(scene.animations) == 1
     assert scene.animations[0].duration_s == pytest.approx(24 / said["fps"], abs=1e-6)
     back = GLTF_FROM_BLENDER.T

@@ -135,13 +135,17 @@ def test_a_scene_that_is_not_lit_says_so_once(tmp_path, run_omma):
         "without a light surfaces show their own colours, unshaded; made for light: 1 of 1 "
         "materials, 1 lamp"
     )
-    with pytest.warns(UserWarning, match=re.escape(f"{lit}: {says}")) as heard:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
         scene = omma.load_scene(lit)
-    assert scene.warnings == [says]
+        assert scene.warnings == [says]
+        omma.World(scene, light=omma.light.lamps())
+    with pytest.warns(UserWarning, match=re.escape(f"{lit}: {says}")) as heard:
+        omma.World(scene)
     assert [one.filename for one in heard] == [__file__]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert omma.load_scene(lit).warnings == [says]  # told once a session
+        omma.World(scene)  # told once a session
     omma.save_eye(tmp_path / "bug.eye", make_eye())
     given = ("--eye", tmp_path / "bug.eye", "-o", tmp_path / "a.npy")
     code, _, err = run_omma("render", lit, *given)

@@ -23,10 +23,7 @@ from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
 from omma.scene.splat_files import is_splat_file, load_splat_scene
 from omma.scene.surfel_scenes import load_surfels
-
-# How the loader's sentence about what only a light shows begins. It is told once a session.
-WITHOUT_LIGHT = "without a light "
-_told: list[str] = []
+from omma.scene.without_light import is_of_light, remember_loaded
 
 
 @checked
@@ -79,8 +76,8 @@ def load_scene(
         KeyboardInterrupt: Ctrl-C.
 
     Warns:
-        UserWarning: what was passed over, such as lights: each of ``Scene.warnings``. That surfaces
-            are not shaded without a light is told once a session.
+        UserWarning: what was passed over, such as skins: each of ``Scene.warnings``, but that
+            surfaces are not shaded without a light, which a world without one tells once a session.
     """
     scene = read_scene(
         path,
@@ -92,14 +89,9 @@ def load_scene(
         progress=progress,
     )
     for sentence in scene.warnings:
-        if sentence.startswith(WITHOUT_LIGHT):
-            if _told:
-                continue
+        if not is_of_light(sentence):
             warn_caller(f"{scene.path}: {sentence}", UserWarning)
-            # Where warnings are errors it is not told before somebody lets it pass.
-            _told.append(sentence)
-            continue
-        warn_caller(f"{scene.path}: {sentence}", UserWarning)
+    remember_loaded(scene)
     return scene
 
 

@@ -9,8 +9,8 @@ from typing import Any
 from omma import light as skies
 from omma._core import Error, Scene
 from omma.light import Bands, Light
-from omma.scene.files import WITHOUT_LIGHT
 from omma.scene.lighting import checked_lighting
+from omma.scene.without_light import is_of_light
 
 # Functions of `omma.light`.
 SKIES = (
@@ -96,7 +96,7 @@ def _says_lighting(text: str) -> bool:
 
 def warnings_of(scene: Scene, is_lit: bool) -> list[str]:
     """What the loader of a scene passed over; in a world with light nothing of that."""
-    return [one for one in scene.warnings if not (is_lit and one.startswith(WITHOUT_LIGHT))]
+    return [one for one in scene.warnings if not (is_lit and is_of_light(one))]
 
 
 def _value(name: str, text: str) -> Any:

@@ -28,6 +28,7 @@ from omma.scene.lighting import (
     tell_of_emission,
     tell_of_splats,
 )
+from omma.scene.without_light import tell_without_light
 from omma.scene.world_colors import Colors, set_color, set_image
 from omma.scene.world_moves import at, camera_at, set_transforms, set_vertices, vertices
 
@@ -141,6 +142,8 @@ class World:
             light, lighting, depth, polarized, ultraviolet, sun, bake, emission_cd_m2
         )
         self._lighting = given
+        if given is None:
+            tell_without_light(scene)
         tell_of_emission(scene, given)
         tell_of_splats(scene, given)
         self._baked: BakedInfo | None = None

@@ -111,6 +111,17 @@ OMMA_HD_CALLED void pass_air(const Flight<L, Search>& flight, const LitSurface<L
   }
 }
 
+// Lanes whose paths go straight on through what they met.
+template <typename L>
+OMMA_HD LaneMask<L> goes_straight(const ScatteringSample<L>& sample) {
+  using I = typename L::I;
+  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
+  return lanes_where<L>([&](int l) {
+    const I lobe = load<I>(sample.lobe + l);
+    return lobe == let_by || lobe == straight;
+  });
+}
+
 // Takes T back for paths that go straight on: what they meet next is dimmed by all of the way.
 template <typename L, typename Search>
 OMMA_HD_CALLED void undo_air(const Flight<L, Search>& flight, LaneMask<L> straight) {

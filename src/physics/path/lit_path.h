@@ -96,17 +96,6 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
-// Lanes whose paths go straight on through what they met.
-template <typename L>
-OMMA_HD LaneMask<L> goes_straight(const ScatteringSample<L>& sample) {
-  using I = typename L::I;
-  constexpr auto straight = static_cast<std::int32_t>(Lobe::straight);
-  return lanes_where<L>([&](int l) {
-    const I lobe = load<I>(sample.lobe + l);
-    return lobe == let_by || lobe == straight;
-  });
-}
-
 // Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
 // Returns the lanes that go on.
 template <typename L, typename Search>
