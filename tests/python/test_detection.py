@@ -76,6 +76,36 @@ def test_one_ommatidium_by_photons(dark, light, criterion):
     assert found.diameter_rad == pytest.approx(2 * math.atan(0.01 / found.distance_m), rel=1e-14)
 
 
+@pytest.mark.parametrize("facing", [(0.0, 1.0, 0.0), (1.0, 0.0, 0.0)])
+def test_through_fog_it_is_nearer(facing):
+    """Both are dimmed by exp(-σ d), and the horizon's light comes between, which is noise."""
+    sky = omma.light.clear_sky(50.0, sun_azimuth_deg=90)
+    fog = omma.light.with_air(sky, extinction_per_m=1.5)
+    eye, time_s = bee(), 0.03
+    matrix = omma.receptors.receptor_matrix(eye, bands=sky.bands)[2]
+    lit = sum(sky.irradiance(facing)) / math.pi
+    azimuth_deg = 180 + 90 * facing[0] + 180 * facing[1]  # opposite to where it faces
+    ahead = omma.base.directions.direction(azimuth_deg, 0)
+    horizon = sky.radiance(ahead)[0]
+
+    def caught(radiance):
+        values = np.zeros(len(eye.receptor_type))
+        values[2] = matrix @ radiance
+        return omma.receptors.photon_catch(eye, values, sky, integration_time_s=time_s)[2]
+
+    def d_prime(distance_m):
+        left = math.exp(-1.5 * distance_m)
+        more = left * caught((0.3 - 0.1) * lit) * share(distance_m, 0.01)
+        ground = left * caught(0.1 * lit) + (1 - left) * caught(horizon)
+        return more / math.sqrt(ground + more / 2)
+
+    target = DiscTarget(0.02, 0.3, 0.1, facing)
+    by = Observer(receptors=("green",), integration_time_s=time_s)
+    found = omma.detect(eye, target, fog, by)
+    agrees(found, root(lambda distance_m: d_prime(distance_m) - 1, 0.01, 100))
+    assert found.distance_m < 0.8 * omma.detect(eye, target, sky, by).distance_m
+
+
 def test_all_receptors_add_up():
     eye = bee()
     ground, disc = (catches(eye, one, 0.01) for one in (0.2, 0.05))

@@ -3,8 +3,11 @@ filled by the disc is rendered, and photons follow from that."""
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,10 +47,16 @@ class DiscView(View):
         self._center_m = np.array([0, 0, -_BEHIND * target.diameter_m])
         with as_named(normal="facing"):
             falls = sum(light.irradiance(target.facing))
-        self._radiance = [
-            falls / math.pi * _band_means(light.bands, getattr(target, name), name)
-            for name in ("background", "reflectance")
-        ]
+        # (2, B), of ground and disc.
+        self._radiance = np.array(
+            [
+                falls / math.pi * _band_means(light.bands, getattr(target, name), name)
+                for name in ("background", "reflectance")
+            ]
+        )
+        x, _, z = target.facing
+        ahead = (-x, 0.0, -z) if x or z else (0.0, 0.0, -1.0)
+        self._horizon = replace(light, discs=()).radiance(ahead)[0]
         # 1 on the disc and 0 beside it, in one band: the share of the disc in what is seen.
         self._world = World(
             disc(
@@ -63,27 +72,39 @@ class DiscView(View):
         """What these ommatidia see, by so many rays."""
         eye = self._whole.take(ommatidia)
         matrix = receptor_matrix(eye, bands=self._light.bands)
-        catches = [
-            photon_catch(
-                eye,
-                (matrix @ radiance)[eye.receptor_type],
-                self._light,
-                integration_time_s=self._time_s,
+        air = self._light.extinction_per_m
+
+        @functools.lru_cache(maxsize=64)
+        def catches(distance_m: float) -> tuple[Floats, Floats]:
+            left = 1.0 if air is None else np.exp(-air * distance_m)
+            ground, disc = (
+                photon_catch(
+                    eye,
+                    (matrix @ radiance)[eye.receptor_type],
+                    self._light,
+                    integration_time_s=self._time_s,
+                )
+                for radiance in left * self._radiance + (1 - left) * self._horizon
             )
-            for radiance in self._radiance
-        ]
+            return ground, disc - ground
+
         renderer = Renderer(self._world, eye, sampling, seed=seed)
         pose = self.pose_on(self._center_m, np.array([0.0, 0.0, 1.0]))
-        return DiscSeen(renderer, pose, catches[0], catches[1] - catches[0])
+        return DiscSeen(renderer, pose, catches if air is not None else lambda _: catches(0.0))
 
 
 class DiscSeen:
-    """Responses to a disc at any distance, of one eye."""
+    """Responses to a disc at any distance, of one eye.
 
-    def __init__(self, renderer: Renderer, on_disc: Floats, background: Floats, more: Floats):
+    catches: at a distance, m, what its receptors catch where the ground fills their acceptance, and
+        how much more where the disc does; through the air that there is.
+    """
+
+    def __init__(
+        self, renderer: Renderer, on_disc: Floats, catches: Callable[[float], tuple[Floats, Floats]]
+    ):
         self.eye = renderer.eye
-        self._renderer, self._on_disc = renderer, on_disc
-        self._background, self._more = background, more
+        self._renderer, self._on_disc, self._catches = renderer, on_disc, catches
 
     def at(self, distance_m: float) -> Seen:
         """From this distance between the disc's middle and the head's origin."""
@@ -96,11 +117,9 @@ class DiscSeen:
             warnings.simplefilter("ignore", RuntimeWarning)
             share, error = self._renderer.render_receptors(pose, matrix=ones, standard_error=True)
         share, error = share[0].astype(np.float64), error[0].astype(np.float64)
-        same = not np.any(self._more)
-        return Seen(
-            self._background, self._more * share, np.abs(self._more) * error,
-            same or met(share, error),
-        )  # fmt: skip
+        ground, more = self._catches(distance_m)
+        same = not np.any(more)
+        return Seen(ground, more * share, np.abs(more) * error, same or met(share, error))
 
 
 def _band_means(bands: Bands, reflectance: Spectrum | float, name: str) -> Floats:

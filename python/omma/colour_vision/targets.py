@@ -19,7 +19,8 @@ class DiscTarget:
     """A flat disc on even ground that fills the rest of the field: a flower on leaves, a dark spot.
 
     The eye looks straight at it. Both are matte and in the same light, so that they have the
-    radiance ρ E/π of their reflectance ρ and of the irradiance E.
+    radiance ρ E/π of their reflectance ρ and of the irradiance E; through air
+    (`omma.light.with_air`) as their distance leaves it.
 
     Attributes:
         diameter_m: of the disc.
