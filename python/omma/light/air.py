@@ -55,11 +55,12 @@ def with_air(
 
     Example:
         >>> fog = omma.light.with_air(omma.light.overcast_sky(30.0), visibility_m=200)
-        >>> fog.extinction_per_m[0].round(4)
+        >>> float(fog.extinction_per_m[0]).__round__(4)
         0.015
         >>> clear = omma.light.with_air(omma.light.clear_sky(30.0, aerosol=0.05))
-        >>> (3.0 / clear.extinction_per_m[[0, 8, 15]] / 1000).round()    # km, at 312, 512, 688 nm
-        array([16., 67., 116.])
+        >>> km = 3.0 / clear.extinction_per_m / 1000
+        >>> km[[0, 8, 15]].round().tolist()    # visibility at 312, 512 and 688 nm
+        [18.0, 70.0, 130.0]
 
     Raises:
         omma.Error: a number out of range, several of the three, or none and a sky that does not
