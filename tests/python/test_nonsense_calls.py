@@ -440,6 +440,10 @@ def public_calls(folder):
             "longitude_deg": 10.0, "bands": few,
         },
         "night_sky": {"bands": few},
+        "night_sky_at": {
+            "date_time": datetime(2026, 6, 21, 0, tzinfo=timezone.utc), "latitude_deg": 50.0,
+            "longitude_deg": 10.0, "bands": few,
+        },
         "overcast_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "panorama": {"image": np.ones((2, 4, 3), np.float32), "ultraviolet": "dark", "bands": few},
         "panorama_bands": {"radiance": np.ones((2, 4, 4)), "bands": few},

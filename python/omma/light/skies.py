@@ -1,6 +1,6 @@
 """Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none.
 
-With clouds: clouds.py; the CIE's: cie_skies.py; of any sun, and night: nights.py.
+With clouds: clouds.py; the CIE's: cie_skies.py; of any sun: nights.py; night: dark_skies.py.
 """
 
 from __future__ import annotations
