@@ -7,9 +7,11 @@ from datetime import datetime
 import numpy as np
 
 from omma.base.arguments import checked, within
+from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.dark_skies import night_sky, night_sky_at
 from omma.light.lights import Light, makes_light
+from omma.light.moon_discs import bright_limb_deg
 from omma.light.skies import clear_sky, moonlit_sky
 from omma.light.sky_tables import LOWEST_SUN_DEG
 from omma.light.sun_position import moon_position, sun_position
@@ -116,6 +118,10 @@ def natural_sky_at(
         moon.elevation_deg,
         moon_azimuth_deg=moon.azimuth_deg,
         phase_angle_deg=moon.phase_angle_deg,
+        bright_limb_deg=bright_limb_deg(
+            direction(moon.azimuth_deg, moon.elevation_deg),
+            direction(sun.azimuth_deg, sun.elevation_deg),
+        ),
         albedo=albedo,
         bands=bands,
         unit=unit,
