@@ -67,11 +67,11 @@ def lit_strips(phase_angle_deg: float) -> list[tuple[float, float, float, float]
     for k in range(count):
         own = light * (strip == k)
         own /= own.sum()
-        middle = (own * x).sum(), (own * y).sum()
-        spread = (own * ((x - middle[0]) ** 2 + (y - middle[1]) ** 2)).sum()
-        share = light[strip == k].sum() / light.sum()
+        at_x, at_y = float((own * x).sum()), float((own * y).sum())
+        spread = float((own * ((x - at_x) ** 2 + (y - at_y) ** 2)).sum())
+        share = float(light[strip == k].sum() / light.sum())
         # Of an even disc the mean square distance from its middle is half its radius squared.
-        found.append((float(share), float(np.sqrt(2 * spread)), *map(float, middle)))
+        found.append((share, float(np.sqrt(2 * spread)), at_x, at_y))
     return found
 
 
