@@ -1,8 +1,10 @@
-"""Draws the figures of docs/light.md: how Stokes vectors are meant, a sky, and skies with clouds.
+"""Draws the figures of docs/light.md: how Stokes vectors are meant, a sky, skies with clouds, and
+dark ones.
 
 python docs/make_light_figures.py            (into docs/)
 """
 
+from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,7 @@ def main():
     omma.picture.plot_sky(DOCS / "light-sky.png", light)
     with figure_style(8.0):
         save_figure(clouds_figure(), [str(DOCS / "sky-clouds.png")])
+        save_figure(nights_figure(), [str(DOCS / "sky-nights.png")])
 
 
 def clouds_figure():
@@ -56,6 +59,44 @@ def clouds_figure():
         shrink=0.5,
         anchor=(0, 0.05),
         label="degree of polarisation,\n450 to 475 nm",
+    )
+    return figure
+
+
+def nights_figure():
+    """Dark skies by time and place, as maps: north at the top, east at the right."""
+    figure = Figure(figsize=(7.2, 2.5), layout="constrained")
+    side = np.linspace(-1, 1, 321)
+    x, y = np.meshgrid(side, -side)
+    out = np.hypot(x, y)
+    towards = direction(np.degrees(np.arctan2(x, y)), np.maximum(90 * (1 - out), 0))
+    green = omma.light.Bands.from_edges([540, 560])
+    for panel, (title, month, day, hour, latitude, longitude) in zip(
+        figure.subplots(1, 3),
+        (
+            ("South Africa, 15 July, 22 h", 7, 15, 20, -24, 28),
+            ("Berlin, 10 October, 22 h", 10, 10, 20, 52.5, 13.4),
+            ("Canaries, 15 March, 20.30 h", 3, 15, 20.5, 28.8, -17.9),
+        ),
+    ):
+        moment = datetime(2026, month, day, int(hour), int(60 * (hour % 1)), tzinfo=timezone.utc)
+        light = omma.light.night_sky_at(moment, latitude, longitude, bands=green)
+        seen = light.radiance(towards)[:, :, 0, 0] / 1e9
+        drawn = panel.imshow(
+            np.where(out > 1, np.nan, seen), vmin=5, vmax=25, cmap="inferno",
+            interpolation="bilinear",
+        )  # fmt: skip
+        panel.set_title(title, pad=10)
+        panel.set_axis_off()
+        for name, at in (("N", (160, -8)), ("E", (330, 160)), ("S", (160, 330)), ("W", (-8, 160))):
+            panel.text(*at, name, ha="center", va="center", color=GREY, fontsize="small")
+    figure.colorbar(
+        drawn,
+        ax=figure.axes,
+        shrink=0.8,
+        extend="max",
+        ticks=[5, 10, 15, 20, 25],
+        label="radiance, 550 nm\n(10⁹ photons m⁻² s⁻¹ sr⁻¹ nm⁻¹)",
     )
     return figure
 

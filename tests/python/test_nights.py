@@ -214,8 +214,9 @@ class TestMoon:
         night = datetime(2026, 8, 27, 22, tzinfo=timezone.utc)
         moon = omma.light.moon_position(night, *place)
         light = omma.light.natural_sky_at(night, *place, bands=FEW)
+        # The middle of its lit part is less than a tenth of its radius beside its own.
         np.testing.assert_allclose(
-            light.discs[0].direction, direction(moon.azimuth_deg, moon.elevation_deg)
+            light.discs[0].direction, direction(moon.azimuth_deg, moon.elevation_deg), atol=4e-4
         )
         assert moon.illuminated_fraction > 0.97
         dark = datetime(2026, 8, 12, 23, tzinfo=timezone.utc)  # a new moon

@@ -428,7 +428,10 @@ def public_calls(folder):
             "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
             "longitude_deg": 10.0, "bands": few,
         },
-        "moonlit_sky": {"moon_elevation_deg": 30.0, "bands": few},
+        "moonlit_sky": {
+            "moon_elevation_deg": 30.0, "phase_angle_deg": 60.0, "bright_limb_deg": 90.0,
+            "bands": few,
+        },
         "stars": {
             "date_time": datetime(2026, 6, 21, 12, tzinfo=timezone.utc), "latitude_deg": 50.0,
             "longitude_deg": 10.0, "faintest_magnitude": 0.5, "bands": few,
@@ -441,6 +444,10 @@ def public_calls(folder):
             "longitude_deg": 10.0, "bands": few,
         },
         "night_sky": {"bands": few},
+        "night_sky_at": {
+            "date_time": datetime(2026, 6, 21, 0, tzinfo=timezone.utc), "latitude_deg": 50.0,
+            "longitude_deg": 10.0, "bands": few,
+        },
         "overcast_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "panorama": {"image": np.ones((2, 4, 3), np.float32), "ultraviolet": "dark", "bands": few},
         "panorama_bands": {"radiance": np.ones((2, 4, 4)), "bands": few},

@@ -18,7 +18,7 @@ pytest.importorskip("ipykernel")
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "tutorials"
 TUTORIALS = sorted(page.stem for page in FOLDER.glob("*.md") if page.name != "index.md")
 # Packages besides those of every test, and beyond what `import omma` needs.
-NEEDS = ("matplotlib", "xarray", "zarr", "h5netcdf")
+NEEDS = ("matplotlib", "xarray", "zarr", "h5netcdf", "ephem")
 
 
 def prose(notebook):

@@ -2,9 +2,10 @@ from .air import with_air
 from .bands import Bands, band_from_rgb, primary_spectra
 from .cie_skies import cie_relative_luminance, cie_sky
 from .clouds import cloud_transmittance, clouded, cloudy_sky
+from .dark_skies import night_sky, night_sky_at
 from .lights import Disc, Light
 from .measured import measured_sky
-from .nights import natural_sky, natural_sky_at, night_sky
+from .nights import natural_sky, natural_sky_at
 from .panoramas import panorama, panorama_bands
 from .skies import clear_sky, clear_sky_at, lamps, moonlit_sky, overcast_sky, uniform_sky
 from .spectrum import Spectrum
@@ -39,6 +40,7 @@ __all__ = [
     "natural_sky",
     "natural_sky_at",
     "night_sky",
+    "night_sky_at",
     "overcast_sky",
     "panorama",
     "panorama_bands",

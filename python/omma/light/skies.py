@@ -1,6 +1,6 @@
 """Skies that are computed: uniform, clear by day, in twilight and by moon, overcast; and none.
 
-With clouds: clouds.py; the CIE's: cie_skies.py; of any sun, and night: nights.py.
+With clouds: clouds.py; the CIE's: cie_skies.py; of any sun: nights.py; night: dark_skies.py.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from omma.base.arguments import array_of, checked, positive, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.lights import MOST_AZIMUTH_DEG, Disc, Light, check_not_lost, makes_light
+from omma.light.moon_discs import moon_discs
 from omma.light.sky_map import sky_nodes
 from omma.light.sky_tables import (
     LOWEST_SUN_DEG,
@@ -29,8 +30,6 @@ from omma.light.units import Unit, check_unit
 Floats = NDArray[np.float64]
 
 CLEAR_SKY_AEROSOL = 0.1  # of `clear_sky`, where nothing is said
-
-_MOON_RADIUS_RAD = float(np.radians(0.518 / 2))  # at its mean distance
 
 # Visual magnitudes of the sun and of the full moon, and how much a moon that is not full loses
 # (Allen, Astrophysical Quantities, 3rd edition, 1973), good to 150 degrees of phase angle.
@@ -184,6 +183,7 @@ def moonlit_sky(
     *,
     moon_azimuth_deg: float = 0.0,
     phase_angle_deg: float = 0.0,
+    bright_limb_deg: float | None = None,
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
@@ -195,13 +195,17 @@ def moonlit_sky(
     Its strength is that of the visual magnitudes of sun and moon, -26.74 and -12.73 when it is
     full, which is 2.5e-6 at 550 nm, less 0.026 |φ| + 4e-9 φ⁴ magnitudes at a phase angle of φ
     degrees (Allen 1973). It is redder than the sun, by the wavelength to the power 0.95 when it is
-    full to 1.3 when it is half (after Kieffer and Stone 2005). The disc is 0.518° wide and even:
-    that not all of it is lit is in its strength, not in its shape. What light of stars and of the
-    air itself there is comes by `night_sky`.
+    full to 1.3 when it is half (after Kieffer and Stone 2005). The disc is 0.518° wide and even.
+    With ``bright_limb_deg`` one to five smaller ones stand for the part of it that is lit, with its
+    light, its centroid and how far it is spread out. What light of stars and of the air itself
+    there is comes by `night_sky`.
 
     Args:
         moon_elevation_deg, moon_azimuth_deg: of its centre, as of the sun in `clear_sky`.
         phase_angle_deg: between sun and observer, seen from the moon: 0 is full, 90 half; to 150.
+        bright_limb_deg: where its limb is brightest, towards the sun: from up, turning to the right
+            as one looks at it. None: the disc is whole, as bright in the mean as its lit part makes
+            it.
         aerosol, ozone_du, albedo, bands, unit: as of `clear_sky`.
 
     Raises:
@@ -210,6 +214,8 @@ def moonlit_sky(
     within(moon_elevation_deg, "moon_elevation_deg", LOWEST_SUN_DEG, 90)
     within(moon_azimuth_deg, "moon_azimuth_deg", -MOST_AZIMUTH_DEG, MOST_AZIMUTH_DEG)
     within(phase_angle_deg, "phase_angle_deg", -_MOST_PHASE_DEG, _MOST_PHASE_DEG)
+    if bright_limb_deg is not None:
+        within(bright_limb_deg, "bright_limb_deg", -360, 360)
     sunlit = clear_sky(
         moon_elevation_deg,
         sun_azimuth_deg=moon_azimuth_deg,
@@ -225,8 +231,9 @@ def moonlit_sky(
     share = 10 ** (-0.4 * loss) * sunlit.bands.mean(lambda nm: (nm / _VISUAL_NM) ** power)
     found = [share * one.irradiance() for one in sunlit.discs]
     discs: tuple[Disc, ...] = ()
-    if found:
-        discs = _disc(moon_elevation_deg, moon_azimuth_deg, _MOON_RADIUS_RAD, found[0], None)
+    if found and np.any(found[0] > 0):
+        at = moon_azimuth_deg, moon_elevation_deg
+        discs = moon_discs(*at, phase_angle_deg, bright_limb_deg, found[0])
     sky = sunlit.sky * share.astype(np.float32)  # type: ignore[operator]
     return Light(sunlit.bands, unit, sky, discs=discs)
 

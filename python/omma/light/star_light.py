@@ -44,11 +44,11 @@ def stars(
     """The brightest stars, where -Z is north, without a sky: to be added to one.
 
     They are PyEphem's 108 of the Hipparcos catalogue, with all down to a visual magnitude of 1.6,
-    few beyond 2.5. Each is a disc of 4 seconds of arc, so that ommatidia ask for it instead of
-    finding it by chance; a hundred make a frame some five times as long. Its light is that of a
-    black body with the colour (B - V) of its spectral class, as strong at 550 nm as its magnitude
-    says, behind `clear_sky`'s air (air mass by Kasten and Young, Applied Optics 28:4735, 1989); in
-    the ultraviolet white stars are weaker than that.
+    few beyond 2.5; `night_sky_at` has all others, blurred. Each is a disc of 4 seconds of arc, so
+    that ommatidia ask for it instead of finding it by chance; a hundred make a frame some five
+    times as long. Its light is that of a black body with the colour (B - V) of its spectral class,
+    as strong at 550 nm as its magnitude says, behind `clear_sky`'s air (air mass by Kasten and
+    Young, Applied Optics 28:4735, 1989); in the ultraviolet white stars are weaker than that.
 
     Args:
         date_time: with its time zone.
@@ -82,7 +82,6 @@ def stars(
     check_unit(unit)
     check_range(bands.wavelength_nm)
     observer = observer_at(moment, latitude_deg, longitude_deg)
-    depth = _air_depth()
     found = []
     for name in _names():
         star = load_ephem().star(name, observer)
@@ -94,7 +93,7 @@ def stars(
         def arriving(
             nm: Floats, mag: float = star.mag, k: float = temperature, e: float = elevation
         ) -> Floats:
-            photons = star_photons(nm, mag, k) * np.exp(-air_mass(e) * np.interp(nm, *depth))
+            photons = star_photons(nm, mag, k) * np.exp(-air_mass(e) * air_depth(nm)[0])
             return photons if unit == "photons" else photons / (nm * PHOTONS_PER_JOULE_NM)
 
         radiance = bands.mean(arriving) / (np.pi * np.sin(RADIUS_RAD) ** 2)
@@ -126,10 +125,10 @@ def black_body_colour(temperature: float) -> float:
     return float(-2.5 * np.log10(blue / visual))
 
 
-def air_mass(elevation_deg: float) -> float:
+def air_mass(elevation_deg: Floats | float) -> Floats:
     """Over that of the zenith (Kasten and Young 1989, recalled)."""
-    e = float(elevation_deg)
-    return float(1 / (np.sin(np.radians(e)) + 0.50572 * (e + 6.07995) ** -1.6364))
+    e = np.asarray(elevation_deg, np.float64)
+    return np.asarray(1 / (np.sin(np.radians(e)) + 0.50572 * (e + 6.07995) ** -1.6364))
 
 
 def _planck_photons(nm: Floats | float, temperature: float) -> Floats:
@@ -138,10 +137,18 @@ def _planck_photons(nm: Floats | float, temperature: float) -> Floats:
 
 
 @functools.cache
-def _air_depth() -> tuple[Floats, Floats]:
-    """Wavelengths, and the optical depth upwards of `clear_sky`'s air with its usual haze."""
+def _air() -> tuple[Floats, Floats, Floats]:
+    air = TableSky(90.0, 0.1, 300.0)
     nm = np.arange(300.0, 701.0)
-    return nm, -np.log(TableSky(90.0, 0.1, 300.0).transmission(nm))
+    depth = -np.log(air.transmission(nm))
+    ozone = 300.0 * np.interp(nm, air.table["fine_nm"], air.table["ozone_depth_per_du"])
+    return nm, depth, depth - ozone
+
+
+def air_depth(nm: Floats) -> tuple[Floats, Floats]:
+    """Optical depth upwards of `clear_sky`'s air with its usual haze, and that of what scatters."""
+    at, depth, scatters = _air()
+    return np.interp(nm, at, depth), np.interp(nm, at, scatters)
 
 
 @functools.cache

@@ -15,7 +15,7 @@ from omma.scene.without_light import is_of_light
 # Functions of `omma.light`.
 SKIES = (
     "clear_sky", "clear_sky_at", "cloudy_sky", "overcast_sky", "cie_sky", "natural_sky",
-    "natural_sky_at", "moonlit_sky", "night_sky", "uniform_sky", "lamps",
+    "natural_sky_at", "moonlit_sky", "night_sky", "night_sky_at", "uniform_sky", "lamps",
 )  # fmt: skip
 # What else a world is told of its light.
 _OF_WORLD = ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
