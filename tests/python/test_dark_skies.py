@@ -101,7 +101,8 @@ class TestStarlight:
         """Elsasser and Haug's isophotes (as in Leinert et al. 1998, section 10): 260 S10 towards
         the galaxy's middle, 100 at a longitude of 120, 50 at latitudes of 30 degrees, 20 at
         80. They are of faint stars without the dust that they light and without the brighter ones,
-        so that this only tells the band from what is beside it; the Milky Way's width at half its height is some 25 degrees."""
+        so that this only tells the band from what is beside it; the Milky Way's width at half its
+        height is some 25 degrees."""
         for (longitude, latitude), published in (
             ((0, 0), 260), ((120, 0), 100), ((120, 30), 50), ((60, 80), 20),
         ):  # fmt: skip
