@@ -265,6 +265,31 @@ def test_info_and_picture(run_omma, tmp_path, photographed, monkeypatch):
     assert "unknown fields   24: count as seeing all before the camera" in out
 
 
+def test_info_says_which_axis_is_up(run_omma, tmp_path, monkeypatch):
+    """By how photographs were held: whoever takes a picture seldom lies on the side."""
+    monkeypatch.chdir(tmp_path)
+    around = [omma.look_at((3, 1, 0.1 * k), (0, 1, 0)) for k in range(-5, 6)]
+    write_transforms(tmp_path / "transforms.json", around)  # +Y is up in it, taken as +Z
+
+    def upright(*more):
+        code, out, err = run_omma("info", "transforms.json", *more)
+        assert code == 0, err
+        return next(line for line in out.splitlines() if line.startswith("upright"))
+
+    said = "and 0° with --up y (--capture-up y of a render)"
+    assert upright() == f"upright          the cameras' own up is 90° from +Y on average, {said}"
+    assert upright("--up", "-y").endswith(f"180° from +Y on average, {said}")
+    assert upright("--up", "y").endswith("up is 0° from +Y on average")
+    # With +X up in the file no axis that can be said is near.
+    tipped = np.eye(4)[[1, 2, 0, 3]]
+    write_transforms(tmp_path / "transforms.json", [tipped @ pose for pose in around])
+    assert upright().endswith("up is 90° from +Y on average")
+    # As many upside down as upright.
+    mixed = [pose @ np.diag([s, s, 1, 1.0]) for pose in around for s in (1, -1)]
+    write_transforms(tmp_path / "transforms.json", mixed)
+    assert "turned every way" in upright()
+
+
 def test_what_info_cannot_do(run_omma, tmp_path, photographed, monkeypatch):
     pytest.importorskip("matplotlib", reason="Matplotlib (omma[plots]) is not installed")
     _, shots = photographed

@@ -363,6 +363,15 @@ BAD_INPUT = [
     (["eye", "plot", "bug.eye", "--property", "facets", "-o", "OUT/a.png"], "--property: expected"),
     (["eye", "species", "megalopta", "-o", "OUT/a.csv"], "megalopta has numbers"),
     (["eye", "species", "honeybee_work", "-o", "OUT/a.csv"], "did you mean 'honeybee_worker'?"),
+    (["eye", "species", "bumblebee", "--assume", "honeybee"], "--assume: expected with -o"),
+    (
+        ["eye", "species", "bumblebee", "--assume", "dog", "-o", "OUT/a.csv"],
+        "--assume: expected one of honeybee_worker",
+    ),
+    (
+        ["eye", "species", "bumblebee", "--assume", "calliphora", "-o", "OUT/a.csv"],
+        "--assume: expected an animal whose absorption is known (honeybee_worker)",
+    ),
     ([*RENDER, "--background", "1,2"], "background"),
     ([*RENDER, "--background", "1,2,x"], "background"),
     ([*RENDER, "--background", "scene.gltf"], "scene.gltf"),

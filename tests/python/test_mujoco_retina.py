@@ -69,6 +69,33 @@ def test_the_call_and_the_shape_are_flygyms(simulation):
     np.testing.assert_allclose(turned[0, middle], seen[1, middle], atol=1e-5)
 
 
+def test_one_line_puts_it_in_flygyms_place(simulation):
+    """As FlyGym's controllers ask: the simulation, by its method, whatever it is."""
+
+    class Simulation:
+        def __init__(self):
+            vars(self).update(vars(simulation))
+
+        def get_ommatidia_readouts(self, fly_name):
+            return "pictures"
+
+    theirs = Simulation()
+    retina = omma.mujoco.FlyRetina(theirs, threads=1).install()
+    seen = theirs.get_ommatidia_readouts("fly")
+    np.testing.assert_array_equal(seen, retina.get_ommatidia_readouts("fly"))
+    # Nothing is kept: what has moved is seen.
+    theirs.mj_data.qpos[3:7] = 0, 0, 0, 1
+    mujoco.mj_forward(theirs.mj_model, theirs.mj_data)
+    assert not np.array_equal(theirs.get_ommatidia_readouts("fly"), seen)
+    # Another one takes its place; whoever has no place leaves it alone.
+    other = omma.mujoco.FlyRetina(theirs, samples=1, threads=1).install()
+    retina.remove()
+    assert theirs.get_ommatidia_readouts.__self__ is other
+    other.remove()
+    other.remove()
+    assert theirs.get_ommatidia_readouts("fly") == "pictures"
+
+
 def test_ommatidia_look_where_their_hexagons_do(ids):
     """Against the lens turned round: each pixel of the camera's picture has a direction, and its
     mean over the bent picture's pixels that show it is where the ommatidium looks."""

@@ -480,6 +480,22 @@ def test_command(tmp_path):
         assert run(app, ["eye", "species", *wrong]).exit_code != 0
 
 
+def test_command_takes_numbers_from_other_animals(tmp_path):
+    out = tmp_path / "fly.csv"
+    made = CliRunner().invoke(
+        app,
+        ["eye", "species", "holcocephala", "--assume", "calliphora", "--assume", "honeybee"]
+        + ["-o", str(out)],
+    )  # fmt: skip
+    assert made.exit_code == 0, made.output
+    ours = omma.species.holcocephala(assume=("calliphora", "honeybee"))
+    for sentence in ours.assumed:
+        assert f"assumed: {sentence}" in made.output
+    lengths = {one.length_m for one in omma.load_eye(out).receptor_types}
+    assert lengths == {one.length_m for one in ours.eye.receptor_types}
+    assert lengths == {250e-6}  # of the first that has one
+
+
 def test_the_site_has_every_number(monkeypatch):
     pytest.importorskip("PIL")
     monkeypatch.syspath_prepend(str(ROOT / "docs"))

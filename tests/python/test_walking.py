@@ -358,6 +358,24 @@ def test_on_gaussian_splats_by_where_half_of_the_light_is(world_of, on):
     assert there.height_m == pytest.approx(0.03 / np.cos(np.radians(12)), abs=1e-4)
     assert np.isnan(there.slope_deg).all()
     assert np.isnan(there.climb_deg).all()
+    # Heights within 10 um, 5 cm apart: 0.02°.
+    sloping = ground_at(world, poses, on=on, splat_span_m=0.05)
+    assert sloping.slope_deg == pytest.approx(12, abs=0.05)
+    assert sloping.climb_deg == pytest.approx([12, 0], abs=0.05)
+    assert sloping.height_m.tolist() == there.height_m.tolist()
+    # Beyond the edge of the moss is the floor, or nothing that is asked for.
+    edge = omma.look_at((0.98, 0.5, 0), (0.98, 0.5, -1))
+    (beyond,) = ground_at(world, edge, on=on, splat_span_m=0.2).slope_deg
+    assert np.isnan(beyond) if on else beyond > 80
+
+
+def test_surfaces_keep_their_normals_beside_splats(world_of):
+    world = world_of(moss(12.0, 3000), solids.plane((1, 1), center_m=(5, 0, 0)))
+    heads = [omma.look_at((x, 0.5, 0), (x, 0.5, -1)) for x in (5.0, 0.0)]
+    there = ground_at(world, heads, splat_span_m=0.1)
+    assert there.slope_deg == pytest.approx([0, 12], abs=0.05)
+    with pytest.raises(omma.Error, match="splat_span_m: expected a number above 0"):
+        ground_at(world, heads, splat_span_m=0)
 
 
 def test_upright_on_a_splat_that_no_leg_reaches(world_of):

@@ -34,6 +34,10 @@ and .glb keep all of it, .eye only positions, axes and angles (say --lossy then)
 
 `omma eye species holcocephala -o robber_fly.csv`
 
+With what it lacks for counting photons from other animals, of each number the first that has it:
+
+`omma eye species bumblebee --assume honeybee -o bumblebee.csv`
+
 All animals' numbers in one file, .csv or .md:
 
 `omma eye species --facts species.csv`
@@ -62,12 +66,23 @@ def species_command(
     lossy: Annotated[
         bool, typer.Option("--lossy", help="Write an .eye file, which cannot hold all of it.")
     ] = False,
+    assume: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="An animal from which numbers are taken that this one lacks; may be repeated.",
+            metavar="NAME",
+        ),
+    ] = None,
 ) -> None:
     """Make the eyes of an animal."""
     if output is not None:
         check_ending(output, *EYE_SUFFIXES)
     if facts is not None:
         check_ending(facts, *_FORMS)
+    if assume and output is None:
+        raise Error(
+            "--assume: expected with -o, as it changes the eyes, not the table; found no -o"
+        )
     check_outputs(output, facts)
     if name is not None:
         with as_named(animal="NAME"):
@@ -77,10 +92,12 @@ def species_command(
     if output is not None:
         if name is None:
             raise Error("NAME: expected with -o, found none; `omma eye species` lists them")
-        with working():
-            animal = species.make(name)
+        with working(), as_named(assume="--assume"):
+            animal = species.make(name, assume=assume)
             save_eye(output, animal.eye, lossy=lossy)
         say(f"wrote {output}: {animal.latin}, {len(animal.eye):,} ommatidia of two eyes")
+        for sentence in animal.assumed:
+            say(f"assumed: {sentence}")
     if facts is None and output is None:
         _show(name)
 

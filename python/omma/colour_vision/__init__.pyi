@@ -9,6 +9,13 @@ from .noise_limited import (
 )
 from .ideal_observer import d_prime, proportion_correct
 from .observer import Observer
+from .plots import (
+    plot_distances,
+    plot_fly_categories,
+    plot_hexagon,
+    plot_tetrahedron,
+    plot_triangle,
+)
 from .spaces import (
     TetrahedralColour,
     excitations,
@@ -44,6 +51,11 @@ __all__ = [
     "michelson_contrast",
     "noise_limited_coordinates",
     "noise_limited_distance",
+    "plot_distances",
+    "plot_fly_categories",
+    "plot_hexagon",
+    "plot_tetrahedron",
+    "plot_triangle",
     "proportion_correct",
     "tetrahedron",
     "von_kries",

@@ -24,7 +24,7 @@ _SECTORS = np.array(["blue", "blue-green", "green", "UV-green", "UV", "UV-blue"]
 # Corners of a tetrahedron of height 1 around its centre, in the order of ultraviolet, short, medium
 # and long wavelengths, as Endler & Mielke (2005) and Stoddard & Prum (2008) turn it: that of
 # ultraviolet up, that of short wavelengths along -x.
-_CORNERS = np.array([
+TETRAHEDRON_CORNERS = np.array([
     (0, 0, 3 / 4),
     (-math.sqrt(6) / 4, -math.sqrt(2) / 4, -1 / 4),
     (0, math.sqrt(2) / 2, -1 / 4),
@@ -200,7 +200,7 @@ def tetrahedron(catches: ArrayLike) -> TetrahedralColour:
         omma.Error: catches that are negative or not finite, not four, or all 0.
     """
     share = relative(catches, "catches", 4) - 1 / 4
-    position = share @ _CORNERS
+    position = share @ TETRAHEDRON_CORNERS
     x, y, z = np.moveaxis(position, -1, 0)
     chroma = np.sqrt(np.sum(position**2, axis=-1))
     # The surface is where the first share becomes 0.

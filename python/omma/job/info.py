@@ -17,7 +17,7 @@ from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_extent
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
-from omma.scene.capture_cameras import is_capture, load_capture_cameras
+from omma.scene.capture_cameras import is_capture
 from omma.scene.device_list import devices
 from omma.scene.files import read_scene
 from omma.scene.mesh_files import MESH_FILES
@@ -75,9 +75,7 @@ def describe_file(
     if voxel_m is not None and not is_points:
         raise Error(f"voxel_m: expected none, as {os.fsdecode(path)} holds no points of a scan")
     if is_capture(path):
-        return describe_capture(
-            load_capture_cameras(path, unit="m" if unit is None else unit, up=up)
-        )
+        return describe_capture(path, unit, up)
     if is_response_file(path):
         return describe_responses(path)
     if is_points:

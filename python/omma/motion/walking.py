@@ -16,6 +16,7 @@ from omma.base.warn import warn_caller
 from omma.motion.footing import Below, rounding_m, standing
 from omma.motion.ground_rays import Floats, first_below, ray_bundle, shoot, upright
 from omma.motion.tracks import Track, heading_along
+from omma.rendering.renderer import Renderer
 from omma.scene.world import World
 
 # What a body stands on, by default, in heights of its head: length and width.
@@ -142,7 +143,8 @@ class GroundAt:
     height_m: Floats
     """(P,), of the head above the ground straight below it."""
     slope_deg: Floats
-    """(P,), of that ground: 0 is level, 90 a wall; NaN on Gaussian splats: they have no normals."""
+    """(P,), of that ground: 0 is level, 90 a wall; NaN on Gaussian splats without ``splat_span_m``:
+    they have no normals."""
     climb_deg: Floats
     """(P,), of that ground along the heading: above 0 uphill; NaN where the slope is."""
     ahead_m: Floats
@@ -156,6 +158,7 @@ def ground_at(
     poses: ArrayLike | tuple[ArrayLike, ArrayLike],
     *,
     on: Sequence[str] = (),
+    splat_span_m: float | None = None,
 ) -> GroundAt:
     """The slope of the ground below heads, and how far it is to what is ahead.
 
@@ -165,6 +168,8 @@ def ground_at(
         ground: a world, or a scene, of which a world is made.
         poses: (P, 4, 4), or (positions (P, 3), quaternions (P, 4)).
         on: names of instances that are ground, as of `place_on`. Ahead of heads everything counts.
+        splat_span_m: Gaussian splats have no normals; their slope is that between two points so far
+            apart along x and two along z, around the one below the head. None: it is NaN.
 
     Example:
         >>> room = omma.scene.merge_scenes([omma.scene.plane((9, 9)), omma.scene.box((1, 1, 1))])
@@ -176,13 +181,17 @@ def ground_at(
         omma.Error: there is no ground below some heads, which it names; poses that are none.
     """
     heads = as_poses(poses)
+    span = None if splat_span_m is None else positive(splat_span_m, "splat_span_m")
     world = ground if isinstance(ground, World) else World(ground)
     if len(heads) == 0:
         return GroundAt(*np.empty((4, 0)))
     start = heads[:, :3, 3]
     down, step = ray_bundle(world, [[0, -1, 0]]), rounding_m(world, start)
     met, normal = first_below(down, start, step, on)
-    normal[~normal.any(axis=1)] = np.nan  # of splats, which have none
+    of_splats = ~normal.any(axis=1)  # they have none
+    normal[of_splats] = np.nan
+    if span is not None and of_splats.any():
+        normal[of_splats] = _across(down, start[of_splats], span, step[of_splats], on)
     height = start[:, 1] - met
     _tell(start[:, [0, 2]], np.isfinite(height), np.ones((len(heads), 0), np.bool_))
     forward = -heads[:, :3, 2]
@@ -194,6 +203,19 @@ def ground_at(
         np.degrees(np.arctan2(rise, normal[:, 1] * level)),
         shoot(ray_bundle(world, [[0, 0, -1]]), heads).distance_m[:, 0],
     )
+
+
+def _across(
+    down: Renderer, start_m: Floats, span_m: float, step_m: Floats, on: Sequence[str]
+) -> Floats:
+    """Normals (P, 3) of the ground below (P, 3), m, by its heights around; NaN where some of these
+    lie over no ground."""
+    aside = span_m / 2 * np.array([(1.0, 0, 0), (-1, 0, 0), (0, 0, 1), (0, 0, -1)])
+    around = (start_m[:, None] + aside).reshape(-1, 3)
+    height = first_below(down, around, np.repeat(step_m, 4), on)[0].reshape(-1, 4)
+    rise = (height[:, [0, 2]] - height[:, [1, 3]]) / span_m
+    normal = np.column_stack([-rise[:, 0], np.ones(len(rise)), -rise[:, 1]])
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
 def _poses(points: Floats, foot: Floats, normal: Floats, yaw: Floats, height_m: float) -> Matrices:

@@ -162,6 +162,21 @@ class FlyRetina:
         poses = np.stack([camera(data, name).world_from_camera for name in names])
         return readouts(self.renderer.render(poses), self.pale)
 
+    def install(self) -> FlyRetina:
+        """Answer in the simulation's place: its own `get_ommatidia_readouts` is this one from now
+        on, so that code for FlyGym sees by rays as it is. Its pictures (``get_raw_vision``) stay.
+
+        One line does it, ``omma.mujoco.FlyRetina(simulation).install()``.
+        """
+        self._simulation.get_ommatidia_readouts = self.get_ommatidia_readouts
+        return self
+
+    def remove(self) -> None:
+        """Undo `install`, if it was: the simulation sees by its pictures again."""
+        mine = vars(self._simulation).get("get_ommatidia_readouts")
+        if getattr(mine, "__self__", None) is self:
+            del self._simulation.get_ommatidia_readouts
+
     def _fovy_deg(self) -> float:
         """That of the first eye's camera; all have the same."""
         for names in self.cameras.values():

@@ -1,0 +1,148 @@
+"""Figures of colours: loci where the spaces say, corners, the spectrum, names and clear errors."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import omma
+from omma import colour_vision as cv
+from omma.colour_vision import plots
+from omma.colour_vision.plot_parts import mark
+
+pytest.importorskip("matplotlib")
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures as they are written."""
+    figures = []
+    save = plots.save_figure
+
+    def keep(figure, names, dpi):
+        figures.append(figure)
+        save(figure, names, dpi)
+
+    monkeypatch.setattr(plots, "save_figure", keep)
+    return figures
+
+
+def marked(panel, name):
+    """Loci of one name."""
+    return np.concatenate([line.get_xydata() for line in panel.lines if line.get_label() == name])
+
+
+def words(panel):
+    return {text.get_text(): np.array(text.xy) for text in panel.texts if hasattr(text, "xy")}
+
+
+def test_hexagon(tmp_path, drawn):
+    excited = [[0, 1, 0], [0.5, 0.5, 0.5], [0, 0, 1]]
+    cv.plot_hexagon(tmp_path / "a.svg", excited, labels=["petal", "leaf", "petal"])
+    (panel,) = drawn[0].axes
+    # A pure excitation of one class is a corner, by Chittka 1992: sin 60° to the side, 1/2 down.
+    right = [math.sqrt(3) / 2, -0.5]
+    assert marked(panel, "petal") == pytest.approx(np.array([[0, 1], right]))
+    assert marked(panel, "leaf") == pytest.approx(np.zeros((1, 2)))
+    corners = words(panel)
+    assert corners["green"] == pytest.approx(right)
+    assert corners["UV"] == pytest.approx([-math.sqrt(3) / 2, -0.5])
+    assert corners["UV-green"] == pytest.approx([0, -1])
+    said = re.findall(r"<!-- (.*?) -->", (tmp_path / "a.svg").read_text())
+    assert {"Colour hexagon", "petal", "leaf", "blue", "UV-blue"} <= set(said)
+
+
+def test_sectors_lie_between_their_borders(tmp_path, drawn):
+    cv.plot_hexagon(tmp_path / "a.png", [0.5, 0.5, 0.5])
+    (panel,) = drawn[0].axes
+    for border in (line.get_xydata()[1] for line in panel.lines if line.get_linestyle() == "--"):
+        turn = np.radians([-1, 1])
+        beside = np.stack([
+            border[0] * np.cos(turn) + border[1] * np.sin(turn),
+            border[1] * np.cos(turn) - border[0] * np.sin(turn),
+        ], axis=-1)  # fmt: skip
+        one, other = cv.hexagon_sector(beside)
+        assert one != other
+
+
+def test_triangle_with_a_spectrum_in_any_order(tmp_path, drawn):
+    nm = np.array([500.0, 350.0, 430.0])
+    alone = np.eye(3)[[2, 0, 1]]
+    cv.plot_triangle(
+        tmp_path / "a.png", [1, 1, 1], classes=["S", "M", "L"], spectrum=(nm, alone)
+    )  # fmt: skip
+    (panel,) = drawn[0].axes
+    corners = words(panel)
+    locus = next(line for line in panel.lines if len(line.get_xydata()) == 3)
+    wanted = [corners[name] for name in "SML"]  # from short to long wavelengths
+    assert locus.get_xydata() == pytest.approx(np.array(wanted))
+    assert np.hypot(*(wanted[0] - wanted[1])) == pytest.approx(math.sqrt(2))
+    assert {"350", "500"} <= set(corners)
+
+
+def test_tetrahedron_is_seen_from_two_sides(tmp_path, drawn):
+    catches = [[0.2, 0.5, 1.0, 1.2]]
+    cv.plot_tetrahedron(tmp_path / "a.png", catches, labels=["petal"])
+    side, above = drawn[0].axes
+    x, y, z = cv.tetrahedron(catches).position[0]
+    assert marked(side, "petal")[0] == pytest.approx([x, z])
+    assert marked(above, "petal")[0] == pytest.approx([x, y])
+    assert words(side)["UV"] == pytest.approx([0, 0.75])
+    assert words(above)["UV"] == pytest.approx([0, 0])
+
+
+def test_fly_categories_lie_in_their_quadrants(tmp_path, drawn):
+    catches = [[3, 1, 1, 2], [1, 3, 1, 2]]
+    cv.plot_fly_categories(tmp_path / "a.png", catches, labels=["one", "other"])
+    (panel,) = drawn[0].axes
+    at = {text.get_text(): np.sign(text.get_position()) for text in panel.texts}
+    for name, category in zip(("one", "other"), cv.fly_category(catches), strict=True):
+        assert np.sign(marked(panel, name)[0]).tolist() == at[category].tolist()
+
+
+def test_distances_beside_the_threshold(tmp_path, drawn):
+    apart = np.array([[8.6, 5.2], [0.7, 0.4]])
+    cv.plot_distances(
+        tmp_path / "a.pdf", apart, ["petal", "sepal"], series=["noon", "dusk"], threshold=2
+    )
+    (panel,) = drawn[0].axes
+    assert marked(panel, "noon")[:, 0].tolist() == [8.6, 0.7]
+    assert marked(panel, "dusk")[:, 0].tolist() == [5.2, 0.4]
+    line = next(line for line in panel.lines if line.get_linestyle() == "--")
+    assert line.get_xdata() == [2, 2]
+    assert panel.get_xlabel() == "distance (just-noticeable differences)"
+    assert panel.yaxis_inverted()  # the first is above
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda to: cv.plot_hexagon(to, [0, 1, 2]), "excitations from 0 to 1"),
+        (lambda to: cv.plot_hexagon(to, np.empty((0, 3))), "at least one colour"),
+        (lambda to: cv.plot_triangle(to, [1, 1, 1], labels=["a", "b"]), "labels: expected 1 names"),
+        (lambda to: cv.plot_triangle(to, [1, 1, 1], classes="abc"), "classes: expected a sequence"),
+        (lambda to: cv.plot_tetrahedron(to, [1, 1, 1]), "expected shape (..., 4)"),
+        (
+            lambda to: cv.plot_triangle(to, [1, 1, 1], spectrum=([400, 500], np.eye(3))),
+            "a row for each of 2 wavelengths",
+        ),
+        (lambda to: cv.plot_triangle(to, [1, 1, 1], spectrum=([400], [[1, 1, 1]])), "at least two"),
+        (lambda to: cv.plot_distances(to, [1, -1], ["a", "b"]), "from 0 on"),
+        (lambda to: cv.plot_distances(to, [[1, 2]], ["a"]), "series: expected 2 names"),
+        (lambda to: cv.plot_distances(to, [1], ["a"], threshold=0), "threshold"),
+        (
+            lambda to: cv.plot_hexagon(to, np.zeros((37, 3)), labels=[str(k) for k in range(37)]),
+            "at most 36",
+        ),
+    ],
+)
+def test_what_cannot_be_drawn_is_said(tmp_path, call, said):
+    with pytest.raises(omma.Error, match=re.escape(said)):
+        call(tmp_path / "a.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_as_many_marks_as_names():
+    marks = [tuple(mark(k)[key] for key in ("color", "marker")) for k in range(36)]
+    assert len(set(marks)) == 36
