@@ -339,7 +339,7 @@ def test_sizes_are_told_in_words():
 
     flat = describe_extent(np.array([50_000.0, 40_000.0, 900.0]))
     assert flat.startswith("5e+04 x 4e+04 x 900 m, as of a region; if it is in millimetres, 50 m")
-    assert flat.endswith("it is flat along z, as if +Z were up (--scene-up z)")
+    assert flat.endswith("it is flat along z, as if +Z were up (--up z; --scene-up z of a render)")
     plot = describe_extent(np.array([4.0, 0.3, 5.0]))
     assert plot == "4 x 0.3 x 5 m, as of a tree, a room or a plot"
 

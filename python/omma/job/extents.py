@@ -25,9 +25,10 @@ def describe_extent(size_m: NDArray[np.floating]) -> str:
     text = f"{x:.4g} x {y:.4g} x {z:.4g} m, as of {_word(longest)}"
     if longest > _ODD_M:
         small = longest / 1000
-        text += f"; if it is in millimetres, {small:.4g} m, as of {_word(small)} (--scene-unit mm)"
+        text += f"; if it is in millimetres, {small:.4g} m, as of {_word(small)} "
+        text += "(--unit mm; --scene-unit mm of a render)"
     if z * _FLAT < min(x, y):
-        text += "; it is flat along z, as if +Z were up (--scene-up z)"
+        text += "; it is flat along z, as if +Z were up (--up z; --scene-up z of a render)"
     return text
 
 
