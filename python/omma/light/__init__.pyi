@@ -3,7 +3,8 @@ from .bands import Bands, band_from_rgb, primary_spectra
 from .cie_skies import cie_relative_luminance, cie_sky
 from .clouds import cloud_transmittance, clouded, cloudy_sky
 from .dark_skies import night_sky, night_sky_at
-from .lights import Disc, Light
+from .discs import Disc
+from .lights import Light
 from .measured import measured_sky
 from .nights import natural_sky, natural_sky_at
 from .panoramas import panorama, panorama_bands

@@ -14,7 +14,8 @@ from omma.base.directions import direction
 from omma.light import sky_map
 from omma.light.bands import Bands
 from omma.light.cie_skies import scattered
-from omma.light.lights import Disc, Light, makes_light
+from omma.light.discs import Disc
+from omma.light.lights import Light, makes_light
 from omma.light.skies import clear_sky
 from omma.light.units import Unit
 

@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
-from omma.base.directions import azimuth_elevation_deg_of, normalized
+from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.notebook import html_table
 from omma.base.values import value_class
 from omma.light import sky_map
 from omma.light.bands import Bands
+from omma.light.discs import Disc, directions_of, strengths
 from omma.light.units import Unit, check_unit
 
 Floats = NDArray[np.float64]
@@ -26,8 +27,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 # A maker's name and its arguments.
 Recipe = tuple[str, dict[str, Any]]
 
-# In single precision directions within a smaller disc are not told from those beside it.
-_SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
 # Of the brightest of a light: what is much weaker is 0 in single precision.
 LEAST_RADIANCE = 1e-30
 _MOST_EXTINCTION_PER_M = 1000.0
@@ -35,70 +34,6 @@ _MOST_EXTINCTION_PER_M = 1000.0
 MOST_AZIMUTH_DEG = 1e6
 # Letters of a repr for how a light was made.
 _LONGEST = 120
-
-
-@value_class
-@dataclass(frozen=True, eq=False)
-class Disc:
-    """A disc far away, unpolarised, such as the sun or the moon.
-
-    direction: (3,), towards its centre.
-    angular_radius_rad: 1e-6 or more, less than a tenth.
-    radiance: (B,), the mean over the disc by band.
-    limb_darkening: (B,), u in L(mu) = L(1) (1 - u (1 - mu)), 0 to 1, mu the cosine at the disc's
-        own surface. None: it is even.
-
-    Raises:
-        omma.Error: a direction that is zero or not finite, a radius out of range, radiances that
-            are negative or not finite.
-    """
-
-    direction: Floats
-    angular_radius_rad: float
-    radiance: Floats
-    limb_darkening: Floats | None = None
-
-    def __post_init__(self) -> None:
-        direction = array_of(self.direction, "direction", (3,))
-        if not np.all(np.isfinite(direction)) or not direction.any():
-            raise Error(f"direction: expected three numbers, not all 0, found {direction.tolist()}")
-        radius = array_of(self.angular_radius_rad, "angular_radius_rad", ())
-        if not _SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
-            raise Error(
-                f"angular_radius_rad: expected {_SMALLEST_DISC_RAD:g} or more, less than "
-                f"{_LARGEST_DISC_RAD}, found {radius:g}"
-            )
-        radiance = _strengths(self.radiance, "radiance", (None,))
-        limb = None
-        if self.limb_darkening is not None:
-            limb = _strengths(self.limb_darkening, "limb_darkening", radiance.shape)
-            if np.any(limb > 1):
-                raise Error("limb_darkening: expected 0 to 1")
-        object.__setattr__(self, "direction", normalized(direction))
-        object.__setattr__(self, "angular_radius_rad", float(radius))
-        object.__setattr__(self, "radiance", radiance)
-        object.__setattr__(self, "limb_darkening", limb)
-
-    def irradiance(self) -> Floats:
-        """What falls on a surface that faces it: (B,)."""
-        return np.asarray(self.radiance * np.pi * np.sin(self.angular_radius_rad) ** 2)
-
-    def radiance_at(self, direction: ArrayLike) -> Floats:
-        """Radiance in directions (..., 3): (..., B), 0 beside the disc.
-
-        Raises:
-            omma.Error: directions that are zero or not finite.
-        """
-        towards = _directions(direction)
-        sine = np.linalg.norm(np.cross(towards, self.direction), axis=-1)
-        out = sine / np.sin(self.angular_radius_rad)
-        inside = (out <= 1) & (towards @ self.direction > 0)
-        found = np.ones((*inside.shape, len(self.radiance)))
-        if self.limb_darkening is not None:
-            mu = np.sqrt(np.maximum(1 - out**2, 0))[..., None]
-            u = self.limb_darkening
-            found = (1 - u * (1 - mu)) / (1 - u / 3)
-        return np.where(inside[..., None], found * self.radiance, 0.0)
 
 
 @value_class
@@ -139,7 +74,7 @@ class Light:
         check_unit(self.unit)
         matrix = self.band_from_channel
         if matrix is not None:
-            matrix = _strengths(matrix, "band_from_channel", (len(self.bands), None))
+            matrix = strengths(matrix, "band_from_channel", (len(self.bands), None))
         if self.sky is not None:
             object.__setattr__(self, "sky", _checked_sky(self.sky, len(self.bands), matrix))
         elif matrix is not None:
@@ -157,7 +92,7 @@ class Light:
         )
         air = self.extinction_per_m
         if air is not None:
-            air = _strengths(air, "extinction_per_m", (len(self.bands),))
+            air = strengths(air, "extinction_per_m", (len(self.bands),))
             if np.any(air > _MOST_EXTINCTION_PER_M):
                 raise Error(f"extinction_per_m: expected at most 1000 per m, found {air.max():g}")
         object.__setattr__(self, "extinction_per_m", air)
@@ -204,7 +139,7 @@ class Light:
         Raises:
             omma.Error: directions that are zero or not finite.
         """
-        towards = _directions(direction)
+        towards = directions_of(direction)
         found = np.zeros((*towards.shape[:-1], 3, len(self.bands)))
         if self.sky is not None:
             seen = self._in_bands(sky_map.look_up(self.sky, towards))
@@ -229,7 +164,7 @@ class Light:
         Raises:
             omma.Error: a normal that is zero or not finite.
         """
-        facing = _directions(array_of(normal, "normal", (3,)), "normal")
+        facing = directions_of(array_of(normal, "normal", (3,)), "normal")
         sky = np.zeros(len(self.bands))
         if self.sky is not None:
             sky = self._in_bands(sky_map.irradiance(self.sky, facing))
@@ -405,23 +340,6 @@ def _joined(discs: list[Disc]) -> tuple[Disc, ...]:
 
 def _of_fields(own: dict[str, Any]) -> Light:
     return Light(**own)
-
-
-def _directions(direction: ArrayLike, name: str = "direction") -> Floats:
-    towards = array_of(direction, name)
-    if towards.shape[-1:] != (3,):
-        raise Error(f"{name}: expected shape (..., 3), found {towards.shape}")
-    if not np.all(np.isfinite(towards)) or not np.all(towards.any(axis=-1)):
-        raise Error(f"{name}: expected vectors that are finite and not zero")
-    return normalized(towards)
-
-
-def _strengths(value: Any, name: str, shape: tuple[int | None, ...]) -> Floats:
-    numbers = array_of(value, name, shape).copy()
-    if not np.all(np.isfinite(numbers)) or np.any(numbers < 0):
-        raise Error(f"{name}: expected finite numbers of at least 0")
-    numbers.flags.writeable = False
-    return np.asarray(numbers)
 
 
 def check_not_lost(radiances: Sequence[NDArray[Any]], name: str) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.directions import direction, normalized
-from omma.light.lights import Disc
+from omma.light.discs import Disc
 
 Floats = NDArray[np.float64]
 

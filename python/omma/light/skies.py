@@ -14,7 +14,8 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
-from omma.light.lights import MOST_AZIMUTH_DEG, Disc, Light, check_not_lost, makes_light
+from omma.light.discs import Disc
+from omma.light.lights import MOST_AZIMUTH_DEG, Light, check_not_lost, makes_light
 from omma.light.moon_discs import moon_discs
 from omma.light.sky_map import sky_nodes
 from omma.light.sky_tables import (

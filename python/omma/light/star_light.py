@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from omma.base.arguments import checked, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
-from omma.light.lights import Disc, Light, makes_light
+from omma.light.discs import Disc
+from omma.light.lights import Light, makes_light
 from omma.light.sky_tables import TableSky, check_range
 from omma.light.sun_position import load_ephem, observer_at, universal
 from omma.light.units import LIGHT_M_PER_S, PHOTONS_PER_JOULE_NM, PLANCK_J_S, Unit, check_unit
