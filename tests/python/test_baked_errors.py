@@ -170,7 +170,7 @@ def test_ground_under_clutter_has_its_cells():
 
 def test_what_it_would_cost():
     world = omma.World(grass(), light=SKY)
-    bake = Bake(cell_m=0.02, cache=False)
+    bake = Bake(cell_m=0.02, paths=16, cache=False)
     cost = world.bake_cost(bake)
     info = world.with_light(SKY, lighting="baked", bake=bake).baked
     assert cost.cells == info.cells

@@ -3,6 +3,8 @@ errors, in every way of sampling, by paths and baked, beside ground truth."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 from lit_checks import BAND, Floats, matter
@@ -64,6 +66,7 @@ def eye_of(axis: Floats, width_deg: float, count: int = 1, **parts: object) -> o
     return omma.Eye(np.zeros_like(axes), axes, np.radians(width_deg), **parts)  # type: ignore[arg-type]
 
 
+@lru_cache(maxsize=1)
 def points_on_sun(n: int) -> tuple[Floats, Floats]:
     """Directions of a midpoint rule, evenly by solid angle, (n, n, 3), and how far out they are."""
     out = np.sqrt((np.arange(n) + 0.5) / n)
@@ -71,7 +74,9 @@ def points_on_sun(n: int) -> tuple[Floats, Floats]:
     sine = np.sqrt(chord_2 * (1 - chord_2 / 4))[:, None]
     turn = 2 * np.pi * (np.arange(n) + 0.5) / n
     z = np.broadcast_to(-(1 - chord_2 / 2)[:, None], (n, n))
-    return np.stack([sine * np.cos(turn), sine * np.sin(turn), z], axis=-1), out
+    points = np.stack([sine * np.cos(turn), sine * np.sin(turn), z], axis=-1)
+    points.flags.writeable = False
+    return points, out
 
 
 def sensitivity(direction: Floats, axis: Floats, width_deg: float) -> Floats:
@@ -80,6 +85,7 @@ def sensitivity(direction: Floats, axis: Floats, width_deg: float) -> Floats:
     return np.asarray(np.exp(-4 * np.log(2) * (angle / np.radians(width_deg)) ** 2))
 
 
+@lru_cache
 def normalisation(width_deg: float) -> float:
     """The integral of S over the sphere."""
     angle = (np.arange(100_000) + 0.5) / 100_000 * np.pi
@@ -87,21 +93,30 @@ def normalisation(width_deg: float) -> float:
     return float(2 * np.pi * values.mean() * np.pi)
 
 
+# The same for one backend as for the next.
+@lru_cache(maxsize=1)
+def at_points(axis: tuple[float, ...], width_deg: float, limb: float) -> Floats:
+    """Light of the points on the sun, times the sensitivity there, (n, n)."""
+    direction, _ = points_on_sun(1000)
+    sine_2 = np.linalg.norm(direction[..., :2], axis=-1) ** 2 / np.sin(RADIUS_RAD) ** 2
+    light = (1 - limb * (1 - np.sqrt(np.maximum(1 - sine_2, 0)))) / (1 - limb / 3)
+    values = sensitivity(direction, np.array(axis), width_deg) * light
+    values.flags.writeable = False
+    return np.asarray(values)
+
+
 def expected(
     axis: Floats, width_deg: float, limb: float = 0.0, seen: NDArray[np.bool_] | None = None
 ) -> float:
     """The response to the sun, `seen` [point] where not all of it is."""
-    n = 1000
-    direction, _ = points_on_sun(n)
-    sine_2 = np.linalg.norm(direction[..., :2], axis=-1) ** 2 / np.sin(RADIUS_RAD) ** 2
-    light = (1 - limb * (1 - np.sqrt(np.maximum(1 - sine_2, 0)))) / (1 - limb / 3)
-    values = sensitivity(direction, axis, width_deg) * light
+    values = at_points(tuple(axis), width_deg, limb)
     if seen is not None:
         values = values * seen
     solid_sr = np.pi * 4 * np.sin(RADIUS_RAD / 2) ** 2
     return float(RADIANCE * solid_sr * values.mean() / normalisation(width_deg))
 
 
+@lru_cache(maxsize=1)
 def beside_edge(edge: float, turn_rad: float) -> NDArray[np.bool_]:
     direction, _ = points_on_sun(1000)
     x, y = direction[..., 0] / -direction[..., 2], direction[..., 1] / -direction[..., 2]

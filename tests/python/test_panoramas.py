@@ -72,15 +72,21 @@ def test_gratings_lose_what_the_modulation_transfer_says(name):
     assert (seen[0] + seen[1]) / 2 == pytest.approx(1, abs=0.002)
 
 
-@pytest.mark.parametrize("layout", LAYOUTS, ids=repr)
-def test_each_layout_shows_the_same(layout):
+@pytest.fixture(scope="module")
+def seen_finely():
+    """An eye all round, and what it sees of a fine picture."""
     eye = omma.eye.generate_eye(100)
+    fine = Equirectangular(360, 720)
+    return eye, PanoramaView(eye, fine).see(picture_of(fine))
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=repr)
+def test_each_layout_shows_the_same(layout, seen_finely):
+    eye, expected = seen_finely
     view = PanoramaView(eye, layout)
     seen = view.see(picture_of(layout))
     shown = view.coverage > 0.999
     assert shown.sum() > 20
-    fine = Equirectangular(360, 720)
-    expected = PanoramaView(eye, fine).see(picture_of(fine))
     # A pixel of 1.5 degrees has the radiance of its middle: by h² / 24 times a second derivative
     # of at most 9 another than its mean.
     assert np.abs(seen - expected)[shown].max() < 1e-3

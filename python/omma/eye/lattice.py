@@ -22,6 +22,7 @@ from omma.base.directions import direction as direction
 from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.cells import cells
+from omma.eye.nearest import Nearest
 from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown, started
 
 __all__ = ["Lattice", "LatticeCheck", "check_lattice"]
@@ -107,7 +108,7 @@ class SphereCells:
             # Roughly at first, so that cells are as fine as that many ommatidia need.
             found = float(self._fractions(middle, solid_angle)[inside].sum())
             self.scale = math.sqrt(found / count)
-        region = Region(self.sees, self.metric, middle, inside)
+        region = Region(self.sees, self.metric, middle, inside, self._inside)
         done: list[tuple[Floats, Floats]] = []
         while len(corner):
             middle, solid_angle = _cell_middle(corner, size, face)
@@ -136,7 +137,7 @@ class SphereCells:
         self.fraction *= self.count / total
         self.scale *= math.sqrt(total / self.count)
         self._set_inside(self.middle[inside])
-        self.region = Region(self.sees, self.metric, self.middle, inside)
+        self.region = Region(self.sees, self.metric, self.middle, inside, self._inside)
 
     def sees(self, directions: Floats) -> Bools:
         """Which directions (K, 3) are in the field of view."""
@@ -156,7 +157,7 @@ class SphereCells:
         if seen.all():
             return self.scale * angles_at(directions, self._horizontal, self._vertical)
         angles = np.empty((len(directions), 2))
-        angles[~seen] = self._inside_angles[self._tree.query(directions[~seen])[1]]
+        angles[~seen] = self._inside_angles[self._inside(directions[~seen])]
         if seen.any():
             angles[seen] = angles_at(directions[seen], self._horizontal, self._vertical)
         return self.scale * angles
@@ -170,10 +171,8 @@ class SphereCells:
         return np.asarray(solid_angle * 2 / (math.sqrt(3) * angles[:, 0] * angles[:, 1]))
 
     def _set_inside(self, inside: Floats) -> None:
-        from scipy.spatial import cKDTree
-
         self._inside_angles = angles_at(inside, self._horizontal, self._vertical)
-        self._tree = cKDTree(inside)
+        self._inside = Nearest(inside)
 
 
 def _base_cells() -> tuple[Floats, Floats, NDArray[np.int64]]:

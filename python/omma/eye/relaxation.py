@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from omma.base.arguments import whole
 from omma.eye.cells import NEIGHBOURS, cells, nearest, pair_distance_squared
+from omma.eye.nearest import Nearest
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -99,7 +100,7 @@ def _filled(domain: Domain, points: Floats, count: int) -> Floats:
 class Region:
     """Where on a surface points are wanted, known by samples (S, 3) of the surface of which
     ``sees`` (a function of points (K, 3) to (K,)) says which are in it; distances are measured by
-    a ``metric`` as in `Domain`."""
+    a ``metric`` as in `Domain`. ``nearest_inside`` knows those of the samples where it is seen."""
 
     def __init__(
         self,
@@ -107,19 +108,18 @@ class Region:
         metric: Callable[[Floats], Floats],
         samples: Floats,
         inside: Bools,
+        nearest_inside: Nearest | None = None,
     ) -> None:
-        from scipy.spatial import cKDTree
-
         self._sees, self._metric = sees, metric
-        self._inside, self._hidden = samples[inside], samples[~inside]
-        self._tree, self._hidden_tree = cKDTree(self._inside), cKDTree(self._hidden)
+        self._inside = nearest_inside or Nearest(samples[inside])
+        self._hidden = Nearest(samples[~inside])
 
     def outside(self, points: Floats) -> Floats:
         """Metric distance (K,) outside of it, 0 in it."""
         distance = np.zeros(len(points))
         hidden = np.flatnonzero(~self._sees(points))
         if len(hidden):
-            near = self._inside[self._tree.query(points[hidden])[1]]
+            near = self._inside.points[self._inside(points[hidden])]
             distance[hidden] = self._length(points[hidden], near)
         return distance
 
@@ -127,13 +127,13 @@ class Region:
         """The ``count`` points deepest inside; what is outside of those is moved in."""
         depth = -self.outside(points)
         inner = np.flatnonzero(depth == 0)
-        if len(inner) and len(self._hidden):
-            near = self._hidden[self._hidden_tree.query(points[inner])[1]]
+        if len(inner) and len(self._hidden.points):
+            near = self._hidden.points[self._hidden(points[inner])]
             depth[inner] = self._length(points[inner], near)
         chosen = np.sort(np.argsort(-depth, kind="stable")[:count])
         points, moved = points[chosen], np.flatnonzero(depth[chosen] < 0)
         if len(moved):
-            points[moved] = self._inside[self._tree.query(points[moved])[1]]
+            points[moved] = self._inside.points[self._inside(points[moved])]
         return points
 
     def _length(self, start: Floats, end: Floats) -> Floats:
