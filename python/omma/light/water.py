@@ -65,6 +65,7 @@ _SCATTERING = {
 # 0.0183 of the light turn back as in Petzold's mean of measurements (Mobley, Sundman and Boss,
 # Appl. Opt. 41:1035, 2002; recalled, the share is tested).
 _PARTICLE_INDEX, _PARTICLE_SLOPE = 1.10, 3.5835
+_BACK = 0.0183
 # Light that particles turn by less goes on as if it had not been scattered.
 _FORWARD_RAD = np.radians(45.0)
 # Molecules: 1 + (1 - d) / (1 + d) cos² of the angle, with d = 0.09 (Morel 1974).
@@ -90,9 +91,15 @@ class _Water:
 
     @property
     def loss(self) -> Floats:
-        """What light loses that goes on, or nearly so: all but scattering forward."""
+        """What a beam loses with all that counts as scattered out of it."""
         kept = 2 * np.pi * _ANGLES[1] * _particle_phase(_ANGLES) @ np.sin(_ANGLES)
-        return self.absorption + kept * self.particles + self.molecules
+        return np.asarray(self.absorption + kept * self.particles + self.molecules)
+
+    @property
+    def wide_loss(self) -> Floats:
+        """What light loses that comes from many sides, so that only what turns back is missing
+        (a + b_b: Gordon, Appl. Opt. 12:2803, 1973)."""
+        return np.asarray(self.absorption + _BACK * self.particles + self.molecules / 2)
 
 
 @checked
@@ -312,11 +319,11 @@ def _scattered(
     elevation, azimuth = sky_map.sky_nodes(rows, _COLUMNS)
     views = direction(np.degrees(azimuth), np.degrees(elevation)[..., None])
     up = np.sin(elevation[0])[:, None]
-    scattered = np.zeros((*views.shape[:-1], len(medium.loss)))
+    scattered = np.zeros((*views.shape[:-1], len(medium.wide_loss)))
     rising = np.zeros(scattered.shape[1:])
 
     def add(cos: float, source: Floats) -> None:
-        to_surface, endless, arriving = _lengths(up, cos, medium.loss, depth_m)
+        to_surface, endless, arriving = _lengths(up, cos, medium.wide_loss, depth_m)
         scattered[0] += to_surface[:, None] * source[0]
         scattered[1] += (endless * arriving)[:, None] * source[1]
         rising[:] += endless[:, None] * source[1]
@@ -342,9 +349,7 @@ def _turned(cosine: Floats) -> tuple[Floats, Floats]:
     return np.interp(angle, _ANGLES, _particle_phase(_ANGLES)), molecules
 
 
-def _lengths(
-    up: Floats, cos: float, loss: Floats, depth_m: float
-) -> tuple[Floats, Floats, Floats]:
+def _lengths(up: Floats, cos: float, loss: Floats, depth_m: float) -> tuple[Floats, Floats, Floats]:
     """Lengths, m, over which a source counts that falls with depth: on the way to the surface,
     (rows, B), without end from the surface down, (rows, B); and what is left of it at the depth."""
     endless = 1 / (loss * (1 + up / cos))
