@@ -138,7 +138,7 @@ def under_water(
         >>> noon = omma.light.clear_sky(60.0, bands=bands)
         >>> reef = omma.light.under_water(noon, 5.0, "IB")
         >>> reef.extinction_per_m.round(2)
-        array([0.18, 0.17, 0.17, 0.18, 0.2 , 0.36, 0.44, 0.6 ])
+        array([0.18, 0.17, 0.17, 0.18, 0.21, 0.35, 0.44, 0.57])
 
     Raises:
         omma.Error: a light without a sky, an unknown type, bands beyond 300 to 700 nm, a number
