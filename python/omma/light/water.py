@@ -23,7 +23,8 @@ _INDICES = (1.3, 1.4)
 # below by the authors' model (Williamson and Hollins, Appl. Opt. 61:9951, 2022, table 7, every
 # 10 nm). I, IA, 7C and 9C: of models that fit Jerlov's attenuation of daylight (Solonenko and
 # Mobley, Appl. Opt. 54:5392, 2015, tables 4 to 8). Both were read in the tables of the package
-# jerlov 0.22.0, which compares them with the papers.
+# jerlov 0.22.0, which compares them with the papers. The measured ones are Crown copyright, 2022,
+# Dstl, under the Open Government Licence 3.0.
 _MEASURED_NM = np.arange(300.0, 701.0, 10.0)
 _MODELLED_NM = np.array([300.0, 310, *range(350, 701, 25)])
 _ABSORPTION = {
@@ -269,9 +270,7 @@ def _sky_under(
     elevation, azimuth = sky_map.sky_nodes(rows, columns)
     up = np.sin(elevation[0])
     t_s, t_p, cos_air = _fresnel(up, n)
-    refracted = direction(
-        np.degrees(azimuth), np.degrees(np.arcsin(np.minimum(cos_air, 1)))[:, None]
-    )
+    refracted = direction(np.degrees(azimuth), np.degrees(np.arcsin(cos_air))[:, None])
     seen = n**2 * _transmitted(sky_map.look_up(above, refracted), t_s[:, None], t_p[:, None])
     scattered, rising = _scattered(_rings(above, n), discs, medium, depth_m, rows)
     # At the horizon the way to the surface has no end.
