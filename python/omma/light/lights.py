@@ -27,7 +27,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Recipe = tuple[str, dict[str, Any]]
 
 # In single precision directions within a smaller disc are not told from those beside it.
-SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
+_SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
 # Of the brightest of a light: what is much weaker is 0 in single precision.
 LEAST_RADIANCE = 1e-30
 _MOST_EXTINCTION_PER_M = 1000.0
@@ -63,9 +63,9 @@ class Disc:
         if not np.all(np.isfinite(direction)) or not direction.any():
             raise Error(f"direction: expected three numbers, not all 0, found {direction.tolist()}")
         radius = array_of(self.angular_radius_rad, "angular_radius_rad", ())
-        if not SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
+        if not _SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
             raise Error(
-                f"angular_radius_rad: expected {SMALLEST_DISC_RAD:g} or more, less than "
+                f"angular_radius_rad: expected {_SMALLEST_DISC_RAD:g} or more, less than "
                 f"{_LARGEST_DISC_RAD}, found {radius:g}"
             )
         radiance = _strengths(self.radiance, "radiance", (None,))
