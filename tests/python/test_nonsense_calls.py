@@ -427,6 +427,7 @@ def public_calls(folder):
         "cloud_transmittance": ([1.0, 10.0], 0.5),
         "clouded": (light, 0.5, "cumulus"),
         "with_air": (light, 500.0),
+        "under_water": (light, 2.0, "II"),
         "cloudy_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky": {"sun_elevation_deg": 30.0, "bands": few},
         "clear_sky_at": {

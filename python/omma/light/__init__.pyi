@@ -15,6 +15,7 @@ from .star_light import stars
 from .sun_position import MoonPosition, SunPosition, moon_position, sun_position
 from .sun_times import dawn, dusk, solar_noon, sunrise, sunset
 from .units import photons_from_watts, watts_from_photons
+from .water import under_water
 
 __all__ = [
     "Bands",
@@ -52,6 +53,7 @@ __all__ = [
     "sun_position",
     "sunrise",
     "sunset",
+    "under_water",
     "uniform_sky",
     "watts_from_photons",
     "with_air",
