@@ -2,6 +2,7 @@
 depth, light scattered in the water, contrast by distance."""
 
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -279,3 +280,13 @@ class TestLightsUnderWater:
         after = under_water(above, 2.0).turned(90)
         scale = turned.sky.max()
         np.testing.assert_allclose(turned.sky / scale, after.sky / scale, atol=1e-6)
+
+
+def test_what_is_too_turbid_is_told():
+    bands = omma.light.Bands.equal(2, 400, 700)
+    sky = omma.light.uniform_sky(1.0, bands=bands)
+    with pytest.warns(UserWarning, match="scattered 2. times"):
+        omma.light.under_water(sky, 20.0, "5C")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.light.under_water(sky, 20.0, "IB")

@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, within
 from omma.base.directions import direction
+from omma.base.warn import warn_caller
 from omma.light import sky_map
 from omma.light.bands import Bands
-from omma.light.lights import Disc, Light, makes_light
+from omma.light.discs import Disc
+from omma.light.lights import Light, makes_light
 from omma.light.sky_tables import check_range
 
 Floats = NDArray[np.float64]
@@ -73,6 +75,10 @@ _FORWARD_RAD = np.radians(45.0)
 # Molecules: 1 + (1 - d) / (1 + d) cos² of the angle, with d = 0.09 (Morel 1974).
 _MOLECULES = (1 - 0.09) / (1 + 0.09)
 _ANGLES = np.linspace(0, np.pi, 1801)
+
+# How often light may be scattered on its way down, b z, for one scattering to tell its radiance to
+# a third (docs/light.md).
+_MOST_SCATTERED = 6.0
 
 # Rows of the map, at least. Columns at which scattering is computed, rings of the sky from which it
 # is, and directions across each.
@@ -142,6 +148,9 @@ def under_water(
         >>> reef.extinction_per_m.round(2)
         array([0.18, 0.17, 0.17, 0.18, 0.21, 0.35, 0.44, 0.57])
 
+    Warns:
+        UserWarning: so turbid and deep that the light is more than a third too bright.
+
     Raises:
         omma.Error: a light without a sky, an unknown type, bands beyond 300 to 700 nm, a number
             out of range, one of a and b without the other, or both and a type.
@@ -160,6 +169,13 @@ def under_water(
         raise Error("absorption_per_m, scattering_per_m: expected both or none of them")
     else:
         medium = _as_measured(absorption_per_m, scattering_per_m, light.bands)
+    often = float(np.max(medium.particles)) * depth_m
+    if often > _MOST_SCATTERED:
+        warn_caller(
+            f"depth_m: at {depth_m:g} m light has been scattered {often:.0f} times on its way; "
+            f"beyond {_MOST_SCATTERED:g} it comes out too bright (docs/light.md, under water)",
+            UserWarning,
+        )
     # Just below the surface, and then at the depth.
     discs = tuple(_refracted(one, n) for one in light.discs if one.direction[1] > 0)
     above = light._sky_in_bands()
