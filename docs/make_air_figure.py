@@ -28,17 +28,9 @@ VISIBILITY_M = 2000.0
 def picture(light: Light) -> NDArray[np.uint8]:
     """Of the meadow from its camera, as people see it: an ommatidium a pixel."""
     width, height = (RIGHT - LEFT) * PER_DEG, (HIGH - LOW) * PER_DEG
-    azimuth = np.radians(LEFT + (np.arange(width) + 0.5) / PER_DEG)
-    elevation = np.radians(HIGH - (np.arange(height) + 0.5) / PER_DEG)
-    azimuth, elevation = np.meshgrid(azimuth, elevation)
-    axis = np.stack(
-        [
-            np.sin(azimuth) * np.cos(elevation),
-            np.sin(elevation),
-            -np.cos(azimuth) * np.cos(elevation),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
+    azimuth_deg = LEFT + (np.arange(width) + 0.5) / PER_DEG
+    elevation_deg = HIGH - (np.arange(height) + 0.5) / PER_DEG
+    axis = omma.eye.direction(azimuth_deg, elevation_deg[:, None]).reshape(-1, 3)
     eye = omma.Eye(np.zeros_like(axis), axis, acceptance_angle_rad=np.radians(1 / PER_DEG))
     world = omma.World(omma.load_scene(omma.examples.lit_meadow()), light=light)
     seen = omma.Renderer(world, eye, omma.Fixed(RAYS)).render(CAMERA)[0]

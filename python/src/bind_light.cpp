@@ -158,7 +158,8 @@ void bind_light(nb::module_& m) {
           },
           nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(), nb::arg("unit"),
           nb::arg("sky").none(), nb::arg("band_from_channel").none(), nb::arg("discs"),
-          nb::arg("extinction_per_m").none(), nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
+          nb::arg("extinction_per_m").none(), nb::arg("ultraviolet").none(),
+          nb::arg("emission_cd_m2") = 1.0,
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: "
                   "numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, "
                   "sky: numpy.typing.ArrayLike | None, "
@@ -216,8 +217,8 @@ void bind_light(nb::module_& m) {
             if (extinction.empty()) return nb::none();
             return view(self, extinction.data(), {extinction.size()});
           },
-          nb::for_getter(
-              nb::sig("def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
+          nb::for_getter(nb::sig(
+              "def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
           "Read-only, (B,); or None.")
       .def_prop_ro(
           "ultraviolet",

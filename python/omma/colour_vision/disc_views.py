@@ -3,7 +3,6 @@ filled by the disc is rendered, and photons follow from that."""
 
 from __future__ import annotations
 
-import functools
 import math
 import warnings
 from collections.abc import Callable
@@ -74,7 +73,6 @@ class DiscView(View):
         matrix = receptor_matrix(eye, bands=self._light.bands)
         air = self._light.extinction_per_m
 
-        @functools.lru_cache(maxsize=64)
         def catches(distance_m: float) -> tuple[Floats, Floats]:
             left = 1.0 if air is None else np.exp(-air * distance_m)
             ground, disc = (
@@ -90,7 +88,7 @@ class DiscView(View):
 
         renderer = Renderer(self._world, eye, sampling, seed=seed)
         pose = self.pose_on(self._center_m, np.array([0.0, 0.0, 1.0]))
-        return DiscSeen(renderer, pose, catches if air is not None else lambda _: catches(0.0))
+        return DiscSeen(renderer, pose, catches)
 
 
 class DiscSeen:

@@ -16,6 +16,8 @@ from omma.light.sky_tables import depths_of_air_and_haze
 
 Floats = NDArray[np.float64]
 
+# Makers and methods whose light has the air of the one that they were given.
+_SAME_AIR = ("with_air", "clouded", "plus", "scaled", "turned")
 # Contrast at the meteorological optical range (CIE e-ILV 17-31-018).
 _LEAST_CONTRAST = 0.05
 _VISIBILITY_NM = 550.0
@@ -111,8 +113,7 @@ def _aerosol_of(light: Light) -> float:
         name, arguments = recipe
         if name == "clear_sky":
             return float(arguments.get("aerosol", CLEAR_SKY_AEROSOL))
-        inner = arguments.get("light")
-        recipe = inner.recipe if isinstance(inner, Light) else None
+        recipe = arguments["light"].recipe if name in _SAME_AIR else None
     raise Error(
         "visibility_m: expected a number, as this light is not a clear sky's, which says how much "
         f"air and haze there are: found {light!r:.80}"

@@ -16,7 +16,7 @@ from omma.base.values import value_class
 Floats = NDArray[np.float64]
 
 # In single precision directions within a smaller disc are not told from those beside it.
-_SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
+SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1
 
 
 @value_class
@@ -45,9 +45,9 @@ class Disc:
         if not np.all(np.isfinite(direction)) or not direction.any():
             raise Error(f"direction: expected three numbers, not all 0, found {direction.tolist()}")
         radius = array_of(self.angular_radius_rad, "angular_radius_rad", ())
-        if not _SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
+        if not SMALLEST_DISC_RAD <= radius < _LARGEST_DISC_RAD:
             raise Error(
-                f"angular_radius_rad: expected {_SMALLEST_DISC_RAD:g} or more, less than "
+                f"angular_radius_rad: expected {SMALLEST_DISC_RAD:g} or more, less than "
                 f"{_LARGEST_DISC_RAD}, found {radius:g}"
             )
         radiance = strengths(self.radiance, "radiance", (None,))

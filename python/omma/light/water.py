@@ -13,14 +13,13 @@ from omma.base.directions import direction
 from omma.base.warn import warn_caller
 from omma.light import sky_map
 from omma.light.bands import Bands
-from omma.light.discs import Disc
+from omma.light.discs import SMALLEST_DISC_RAD, Disc
 from omma.light.lights import Light, makes_light
 from omma.light.sky_tables import check_range
 
 Floats = NDArray[np.float64]
 
 _DEEPEST_M = 1000.0
-_SMALLEST_DISC_RAD = 1e-6  # of `Disc`
 _INDICES = (1.3, 1.4)
 # Absorption, m⁻¹, by Jerlov's water type. IB, II, III, 1C, 3C and 5C: measured from 412 to 715 nm,
 # below by the authors' model (Williamson and Hollins, Appl. Opt. 61:9951, 2022, table 7, every
@@ -253,7 +252,7 @@ def _refracted(disc: Disc, n: float) -> Disc:
     cos_water = float(np.sqrt(1 - level @ level))
     t_s, t_p, _ = _fresnel(np.array(cos_water), n)
     narrower = np.sqrt(cos_air / (n**2 * cos_water))
-    radius = max(disc.angular_radius_rad * narrower, _SMALLEST_DISC_RAD)
+    radius = max(disc.angular_radius_rad * narrower, SMALLEST_DISC_RAD)
     spread = (np.sin(disc.angular_radius_rad) * narrower / np.sin(radius)) ** 2
     return replace(
         disc,
