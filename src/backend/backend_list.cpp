@@ -2,7 +2,9 @@
 #include <array>
 
 #include "backend/backend.h"
+#if defined(OMMA_HAS_CUDA)
 #include "backend/cuda/cuda_backend.h"
+#endif
 #if defined(OMMA_HAS_EMBREE)
 #include "backend/embree/embree_backend.h"
 #endif
@@ -16,7 +18,10 @@ const std::array all {
 #if defined(OMMA_HAS_EMBREE)
   embree_backend(),
 #endif
-      portable_backend(), cuda_backend()
+      portable_backend(),
+#if defined(OMMA_HAS_CUDA)
+      cuda_backend(),
+#endif
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 // formats have in common; each has a file of its own, the only one to include its library.
 #include "io/image.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "io/atomic_file.h"
@@ -45,6 +47,12 @@ Image decode_alone(EncodedImage bytes, const std::string& place, const WorkPart&
 }
 
 }  // namespace
+
+// Here, as a build without OpenEXR's library knows such files too.
+bool is_openexr(EncodedImage bytes) {
+  constexpr std::array<std::uint8_t, 4> magic = {0x76, 0x2F, 0x31, 0x01};
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
 
 double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;

@@ -146,11 +146,6 @@ ImageClaim claim_of(const Imf::Header& header) {
 
 }  // namespace
 
-bool is_openexr(EncodedImage bytes) {
-  constexpr std::array<std::uint8_t, 4> magic = {0x76, 0x2F, 0x31, 0x01};
-  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-}
-
 ImageClaim openexr_claim(EncodedImage bytes, const std::string& place) {
   check_attributes(bytes, place);
   return with_errors_of(place, [&] {

@@ -12,6 +12,12 @@
 #include <utility>
 #if defined(__AVX2__)
 #include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>
+#elif defined(__ARM_NEON)
+#include <arm_neon.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 #endif
 
@@ -78,6 +84,27 @@ OMMA_HD unsigned lane_bits(Ints mask) {
 }
 OMMA_HD Floats sqrt_lanes(Floats x) {
   return (Floats)_mm256_sqrt_ps((__m256)x);
+}
+#elif defined(__SSE2__)
+OMMA_HD unsigned lane_bits(Ints mask) {
+  return static_cast<unsigned>(_mm_movemask_ps((__m128)mask));
+}
+OMMA_HD Floats sqrt_lanes(Floats x) {
+  return (Floats)_mm_sqrt_ps((__m128)x);
+}
+#elif defined(__ARM_NEON)
+OMMA_HD unsigned lane_bits(Ints mask) {
+  return vaddvq_u32((uint32x4_t)(mask & Ints{1, 2, 4, 8}));
+}
+OMMA_HD Floats sqrt_lanes(Floats x) {
+  return (Floats)vsqrtq_f32((float32x4_t)x);
+}
+#elif defined(__wasm_simd128__)
+OMMA_HD unsigned lane_bits(Ints mask) {
+  return static_cast<unsigned>(wasm_i32x4_bitmask((v128_t)mask));
+}
+OMMA_HD Floats sqrt_lanes(Floats x) {
+  return (Floats)wasm_f32x4_sqrt((v128_t)x);
 }
 #else
 OMMA_HD unsigned lane_bits(Ints mask) {
