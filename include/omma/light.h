@@ -48,6 +48,20 @@ struct Disc {
   bool operator==(const Disc&) const = default;
 };
 
+// A level layer of clouds as it shades what lies below it from discs: of their light it lets
+// exp(-depth / sin e) through, e the elevation of a disc's centre, where the way to that centre
+// crosses the layer. Bilinear between nodes, and the map repeats without end. Skies have their
+// clouds in them already.
+struct CloudShadow {
+  int columns = 0, rows = 0;  // 2 or more each
+  double spacing_m = 0;       // between nodes
+  double height_m = 0;        // in the world; what lies higher is not shaded
+  double first_x_m = 0, first_z_m = 0;  // where the node of row 0 and column 0 is
+  std::vector<float> optical_depth;     // [row][column], upwards; columns along +X, rows along +Z
+
+  bool operator==(const CloudShadow&) const = default;
+};
+
 struct Light {
   Bands bands;
   LightUnit unit = LightUnit::photons;
@@ -56,6 +70,7 @@ struct Light {
   // [band], m^-1, of the air between surfaces: haze, mist, fog, which shows the sky's horizon
   // (physics/path/air.h); empty: clear.
   std::vector<double> extinction_per_m;
+  std::shared_ptr<const CloudShadow> cloud_shadow;  // null: none
   // [material of the scene, and at the end of meshes without one], reflectance below 400 nm of what
   // is known in RGB only, as weights of linear red, green, blue and of 1; empty: none reflects any.
   std::vector<std::array<double, 4>> ultraviolet;

@@ -77,10 +77,13 @@ struct Material {
   TextureUse transmission_texture;  // a factor of it, red; linear
   float diffuse_transmission = 0;  // KHR_materials_diffuse_transmission
   Vec3 diffuse_transmission_color{1, 1, 1};
-  TextureUse diffuse_transmission_texture;  // of the colour, sRGB
+  TextureUse diffuse_transmission_factor_texture;  // a factor of it, alpha
+  TextureUse diffuse_transmission_texture;         // of the colour, sRGB
   float clearcoat = 0, clearcoat_roughness = 0;  // KHR_materials_clearcoat
   TextureUse clearcoat_texture;                  // a factor of clearcoat, red; linear
   TextureUse clearcoat_roughness_texture;        // a factor of that, green; linear
+  TextureUse clearcoat_normal_texture;  // linear; none: the mesh's normals, whatever normal_texture
+  float clearcoat_normal_scale = 1;
 
   // Spectra of the diffuse part, where known, at a base colour (factor x texture x vertex colour)
   // of this luminance (relative, of linear sRGB); proportional to it at others. Else RGB stands for

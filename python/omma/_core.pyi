@@ -462,7 +462,7 @@ class Material:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None) -> None: ...
+    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, clearcoat_normal_texture: int | TextureUse | None = None, clearcoat_normal_scale: float = 1.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -538,6 +538,10 @@ class Material:
     def diffuse_transmission(self) -> float: ...
 
     @property
+    def diffuse_transmission_factor_texture(self, /) -> TextureUse | None:
+        """A factor of ``diffuse_transmission``: its alpha."""
+
+    @property
     def diffuse_transmission_color(self, /) -> tuple[float, float, float]: ...
 
     @property
@@ -557,6 +561,15 @@ class Material:
     @property
     def clearcoat_roughness_texture(self, /) -> TextureUse | None:
         """A factor of ``clearcoat_roughness``: its green; linear."""
+
+    @property
+    def clearcoat_normal_texture(self, /) -> TextureUse | None:
+        """
+        Linear. Without it a coat has the mesh's normals, whatever ``normal_texture``.
+        """
+
+    @property
+    def clearcoat_normal_scale(self) -> float: ...
 
     @property
     def reflectance(self, /) -> Spectrum | None: ...
@@ -1386,6 +1399,8 @@ class Light:
         discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)
             or None).
         extinction_per_m: (B,), of the air between surfaces; None: it is clear.
+        cloud_shadow: (optical_depth (rows, columns), spacing_m, height_m, (x, z) of the first
+            node, m), of clouds that shade what lies below them from discs; None: none do.
         ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
             400 nm of what is known in RGB only, as weights of red, green, blue and 1.
         emission_cd_m2: what white emission of 1 is, cd m^-2.
@@ -1396,7 +1411,7 @@ class Light:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: numpy.typing.ArrayLike | None, ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None: ...
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: numpy.typing.ArrayLike | None, cloud_shadow: tuple[numpy.typing.ArrayLike, float, float, numpy.typing.ArrayLike] | None, ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None: ...
 
     @property
     def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
@@ -1425,6 +1440,10 @@ class Light:
     @property
     def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
         """Read-only, (B,); or None."""
+
+    @property
+    def cloud_shadow(self, /) -> tuple[numpy.typing.NDArray[numpy.float32], float, float, tuple[float, float]] | None:
+        """As given, its array read-only; or None."""
 
     @property
     def ultraviolet(self, /) -> numpy.typing.NDArray[numpy.float64] | None:

@@ -72,9 +72,29 @@ std::vector<Disc> discs_argument(nb::handle discs) {
   return made;
 }
 
+std::shared_ptr<const CloudShadow> cloud_shadow_argument(nb::handle given) {
+  if (given.is_none()) return nullptr;
+  if (!nb::isinstance<nb::tuple>(given) || nb::len(given) != 4)
+    throw Error(
+        "cloud_shadow: expected a tuple (optical_depth, spacing_m, height_m, first_m), found " +
+        type_name_of(given));
+  const auto depth = float_array(given[0], "cloud_shadow: optical_depth", {-1, -1});
+  auto made = std::make_shared<CloudShadow>();
+  made->rows = static_cast<int>(depth.shape(0));
+  made->columns = static_cast<int>(depth.shape(1));
+  made->optical_depth.assign(depth.data(), depth.data() + depth.size());
+  made->spacing_m = number_argument(given[1], "cloud_shadow: spacing_m");
+  made->height_m = number_argument(given[2], "cloud_shadow: height_m");
+  const auto first = double_array(given[3], "cloud_shadow: first_m", {2});
+  made->first_x_m = first.data()[0];
+  made->first_z_m = first.data()[1];
+  return made;
+}
+
 Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, nb::handle unit,
                nb::handle sky, nb::handle band_from_channel, nb::handle discs,
-               nb::handle extinction_per_m, nb::handle ultraviolet, nb::handle emission_cd_m2) {
+               nb::handle extinction_per_m, nb::handle cloud_shadow, nb::handle ultraviolet,
+               nb::handle emission_cd_m2) {
   Light light;
   light.bands.wavelength_nm = vector_of(double_array(wavelength_nm, "wavelength_nm", {-1}));
   light.bands.weight = vector_of(double_array(
@@ -85,6 +105,7 @@ Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, 
   light.discs = discs_argument(discs);
   if (!extinction_per_m.is_none())
     light.extinction_per_m = vector_of(double_array(extinction_per_m, "extinction_per_m", {-1}));
+  light.cloud_shadow = cloud_shadow_argument(cloud_shadow);
   if (!ultraviolet.is_none()) {
     const auto weights = double_array(ultraviolet, "ultraviolet", {-1, 4});
     light.ultraviolet.resize(weights.shape(0));
@@ -142,6 +163,8 @@ void bind_light(nb::module_& m) {
       "    discs: tuples (direction (3,), angular_radius_rad, radiance (B,), limb_darkening (B,)\n"
       "        or None).\n"
       "    extinction_per_m: (B,), of the air between surfaces; None: it is clear.\n"
+      "    cloud_shadow: (optical_depth (rows, columns), spacing_m, height_m, (x, z) of the first\n"
+      "        node, m), of clouds that shade what lies below them from discs; None: none do.\n"
       "    ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below\n"
       "        400 nm of what is known in RGB only, as weights of red, green, blue and 1.\n"
       "    emission_cd_m2: what white emission of 1 is, cd m^-2.\n\n"
@@ -150,15 +173,18 @@ void bind_light(nb::module_& m) {
           "__init__",
           [](Light* self, nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm,
              nb::handle unit, nb::handle sky, nb::handle band_from_channel, nb::handle discs,
-             nb::handle extinction_per_m, nb::handle ultraviolet, nb::handle emission_cd_m2) {
-            Light made = light_of(wavelength_nm, weight, cell_nm, unit, sky, band_from_channel,
-                                  discs, extinction_per_m, ultraviolet, emission_cd_m2);
+             nb::handle extinction_per_m, nb::handle cloud_shadow, nb::handle ultraviolet,
+             nb::handle emission_cd_m2) {
+            Light made =
+                light_of(wavelength_nm, weight, cell_nm, unit, sky, band_from_channel, discs,
+                         extinction_per_m, cloud_shadow, ultraviolet, emission_cd_m2);
             run_long_work([&] { validate_light(made, made.ultraviolet.size()); });
             new (self) Light(std::move(made));
           },
           nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(), nb::arg("unit"),
           nb::arg("sky").none(), nb::arg("band_from_channel").none(), nb::arg("discs"),
-          nb::arg("extinction_per_m").none(), nb::arg("ultraviolet").none(),
+          nb::arg("extinction_per_m").none(), nb::arg("cloud_shadow").none(),
+          nb::arg("ultraviolet").none(),
           nb::arg("emission_cd_m2") = 1.0,
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: "
                   "numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, "
@@ -166,7 +192,8 @@ void bind_light(nb::module_& m) {
                   "band_from_channel: numpy.typing.ArrayLike | None, discs: "
                   "collections.abc.Iterable[tuple[numpy.typing.ArrayLike, float, "
                   "numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: "
-                  "numpy.typing.ArrayLike | None, ultraviolet: "
+                  "numpy.typing.ArrayLike | None, cloud_shadow: tuple[numpy.typing.ArrayLike, "
+                  "float, float, numpy.typing.ArrayLike] | None, ultraviolet: "
                   "numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None"))
       .def_prop_ro(
           "wavelength_nm",
@@ -220,6 +247,22 @@ void bind_light(nb::module_& m) {
           nb::for_getter(nb::sig(
               "def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
           "Read-only, (B,); or None.")
+      .def_prop_ro(
+          "cloud_shadow",
+          [](Self self) -> nb::object {
+            const CloudShadow* shadow = nb::cast<const Light&>(self).cloud_shadow.get();
+            if (shadow == nullptr) return nb::none();
+            return nb::make_tuple(
+                view(self, shadow->optical_depth.data(),
+                     {static_cast<std::size_t>(shadow->rows),
+                      static_cast<std::size_t>(shadow->columns)}),
+                shadow->spacing_m, shadow->height_m,
+                nb::make_tuple(shadow->first_x_m, shadow->first_z_m));
+          },
+          nb::for_getter(nb::sig(
+              "def cloud_shadow(self, /) -> tuple[numpy.typing.NDArray[numpy.float32], float, "
+              "float, tuple[float, float]] | None")),
+          "As given, its array read-only; or None.")
       .def_prop_ro(
           "ultraviolet",
           [](Self self) -> nb::object {

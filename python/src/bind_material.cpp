@@ -130,9 +130,11 @@ void bind_material(nb::module_& m) {
              nb::handle specular, nb::handle specular_texture, nb::handle specular_color,
              nb::handle specular_color_texture, nb::handle transmission,
              nb::handle transmission_texture, nb::handle diffuse_transmission,
-             nb::handle diffuse_transmission_color, nb::handle diffuse_transmission_texture,
+             nb::handle diffuse_transmission_factor_texture, nb::handle diffuse_transmission_color,
+             nb::handle diffuse_transmission_texture,
              nb::handle clearcoat, nb::handle clearcoat_texture, nb::handle clearcoat_roughness,
-             nb::handle clearcoat_roughness_texture, nb::handle reflectance,
+             nb::handle clearcoat_roughness_texture, nb::handle clearcoat_normal_texture,
+             nb::handle clearcoat_normal_scale, nb::handle reflectance,
              nb::handle transmittance, nb::handle spectral_luminance, nb::handle extra_reflectance,
              nb::handle emission) {
             Material made;
@@ -165,6 +167,8 @@ void bind_material(nb::module_& m) {
             made.transmission_texture =
                 texture_use_argument(transmission_texture, "transmission_texture");
             made.diffuse_transmission = single(diffuse_transmission, "diffuse_transmission");
+            made.diffuse_transmission_factor_texture = texture_use_argument(
+                diffuse_transmission_factor_texture, "diffuse_transmission_factor_texture");
             made.diffuse_transmission_color =
                 to_float(vec3d(diffuse_transmission_color, "diffuse_transmission_color"));
             made.diffuse_transmission_texture =
@@ -174,6 +178,9 @@ void bind_material(nb::module_& m) {
             made.clearcoat_roughness = single(clearcoat_roughness, "clearcoat_roughness");
             made.clearcoat_roughness_texture =
                 texture_use_argument(clearcoat_roughness_texture, "clearcoat_roughness_texture");
+            made.clearcoat_normal_texture =
+                texture_use_argument(clearcoat_normal_texture, "clearcoat_normal_texture");
+            made.clearcoat_normal_scale = single(clearcoat_normal_scale, "clearcoat_normal_scale");
             made.reflectance = spectrum_argument(reflectance, "reflectance");
             made.transmittance = spectrum_argument(transmittance, "transmittance");
             made.spectral_luminance = single(spectral_luminance, "spectral_luminance");
@@ -195,10 +202,13 @@ void bind_material(nb::module_& m) {
           nb::arg("specular_color") = nb::make_tuple(1.0, 1.0, 1.0),
           nb::arg("specular_color_texture") = nb::none(), nb::arg("transmission") = 0.0,
           nb::arg("transmission_texture") = nb::none(), nb::arg("diffuse_transmission") = 0.0,
+          nb::arg("diffuse_transmission_factor_texture") = nb::none(),
           nb::arg("diffuse_transmission_color") = nb::make_tuple(1.0, 1.0, 1.0),
           nb::arg("diffuse_transmission_texture") = nb::none(), nb::arg("clearcoat") = 0.0,
           nb::arg("clearcoat_texture") = nb::none(), nb::arg("clearcoat_roughness") = 0.0,
-          nb::arg("clearcoat_roughness_texture") = nb::none(), nb::arg("reflectance") = nb::none(),
+          nb::arg("clearcoat_roughness_texture") = nb::none(),
+          nb::arg("clearcoat_normal_texture") = nb::none(), nb::arg("clearcoat_normal_scale") = 1.0,
+          nb::arg("reflectance") = nb::none(),
           nb::arg("transmittance") = nb::none(), nb::arg("spectral_luminance") = 1.0,
           nb::arg("extra_reflectance") = nb::none(), nb::arg("emission") = nb::none(),
           nb::sig(
@@ -213,12 +223,13 @@ void bind_material(nb::module_& m) {
               "None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
               "specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, "
               "transmission_texture: int | TextureUse | None = None, diffuse_transmission: float "
-              "= 0.0, "
+              "= 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, "
               "diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
               "diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = "
               "0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float "
-              "= 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, reflectance: "
-              "Spectrum | None = None, "
+              "= 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, "
+              "clearcoat_normal_texture: int | TextureUse | None = None, clearcoat_normal_scale: "
+              "float = 1.0, reflectance: Spectrum | None = None, "
               "transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, "
               "extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = "
               "None) -> None"))
@@ -279,6 +290,14 @@ void bind_material(nb::module_& m) {
           "A factor of ``transmission``: its red; linear.")
       .def_ro("diffuse_transmission", &Material::diffuse_transmission)
       .def_prop_ro(
+          "diffuse_transmission_factor_texture",
+          [](const Material& one) {
+            return texture_use_or_none(one.diffuse_transmission_factor_texture);
+          },
+          nb::for_getter(
+              nb::sig("def diffuse_transmission_factor_texture(self, /) -> TextureUse | None")),
+          "A factor of ``diffuse_transmission``: its alpha.")
+      .def_prop_ro(
           "diffuse_transmission_color",
           [](const Material& one) { return numbers(one.diffuse_transmission_color); },
           nb::for_getter(
@@ -300,6 +319,12 @@ void bind_material(nb::module_& m) {
           [](const Material& one) { return texture_use_or_none(one.clearcoat_roughness_texture); },
           nb::for_getter(nb::sig("def clearcoat_roughness_texture(self, /) -> TextureUse | None")),
           "A factor of ``clearcoat_roughness``: its green; linear.")
+      .def_prop_ro(
+          "clearcoat_normal_texture",
+          [](const Material& one) { return texture_use_or_none(one.clearcoat_normal_texture); },
+          nb::for_getter(nb::sig("def clearcoat_normal_texture(self, /) -> TextureUse | None")),
+          "Linear. Without it a coat has the mesh's normals, whatever ``normal_texture``.")
+      .def_ro("clearcoat_normal_scale", &Material::clearcoat_normal_scale)
       .def_prop_ro(
           "reflectance", [](const Material& one) { return spectrum_or_none(one.reflectance); },
           nb::for_getter(nb::sig("def reflectance(self, /) -> Spectrum | None")))
@@ -351,12 +376,15 @@ void bind_material(nb::module_& m) {
                        "transmission",
                        "transmission_texture",
                        "diffuse_transmission",
+                       "diffuse_transmission_factor_texture",
                        "diffuse_transmission_color",
                        "diffuse_transmission_texture",
                        "clearcoat",
                        "clearcoat_texture",
                        "clearcoat_roughness",
                        "clearcoat_roughness_texture",
+                       "clearcoat_normal_texture",
+                       "clearcoat_normal_scale",
                        "reflectance",
                        "transmittance",
                        "spectral_luminance",

@@ -23,9 +23,11 @@ constexpr float most_mirror_roughness = 0.1f;
 constexpr double flat_rad = 5e-4;
 
 bool is_mirror(const Material& material) {
-  if (material.unlit || material.normal_texture.texture >= 0) return false;
-  if (material.clearcoat > 0 && material.clearcoat_roughness <= most_mirror_roughness) return true;
-  return material.roughness <= most_mirror_roughness &&
+  if (material.unlit) return false;
+  if (material.clearcoat > 0 && material.clearcoat_roughness <= most_mirror_roughness &&
+      material.clearcoat_normal_texture.texture < 0)
+    return true;
+  return material.roughness <= most_mirror_roughness && material.normal_texture.texture < 0 &&
          (material.specular > 0 || material.metallic > 0);
 }
 

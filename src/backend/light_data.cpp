@@ -218,6 +218,7 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   data->extinction_per_m.assign(light.extinction_per_m.begin(), light.extinction_per_m.end());
   if (!light.extinction_per_m.empty())
     data->view.extinction_per_m = data->extinction_per_m.data();
+  data->clouds = light.cloud_shadow;
   const double distance_m = std::max(placement.half_size_m, 1e-6);
   const std::array<std::vector<double>, 3> sent = {
       make_far(*data, light), make_lamps(*data, light, scene, distance_m),
@@ -260,6 +261,20 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
     data.lamps[i].position = to_float(transform_point(world_from_light, {}) - origin_m);
     data.lamps[i].direction = to_float(normalize(transform_vector(world_from_light, {0, 0, -1})));
   }
+  if (data.clouds == nullptr) return;
+  const CloudShadow& clouds = *data.clouds;
+  CloudShadowView& view = data.view.clouds;
+  view.optical_depth = clouds.optical_depth.data();
+  view.columns = clouds.columns;
+  view.rows = clouds.rows;
+  view.per_m = static_cast<float>(1 / clouds.spacing_m);
+  view.height_m = static_cast<float>(clouds.height_m - origin_m.y);
+  // Within the map, as it repeats: far from the world's origin too places keep their centimetres.
+  const auto first = [&](double origin, double at, int nodes) {
+    return static_cast<float>(std::fmod((origin - at) / clouds.spacing_m, nodes));
+  };
+  view.first_column = first(origin_m.x, clouds.first_x_m, clouds.columns);
+  view.first_row = first(origin_m.z, clouds.first_z_m, clouds.rows);
 }
 
 std::vector<float> make_emission_matrix(const Light& light, const Material& material) {

@@ -27,6 +27,7 @@ struct LightData {
   LightData(const LightData&) = delete;
   LightData& operator=(const LightData&) = delete;
 
+  std::shared_ptr<const CloudShadow> clouds;  // its optical depths are read where they are
   std::shared_ptr<const SkyMap> sky;  // its radiance is read where it is, but for a polarised one's:
   RowTable sky_intensity, sky_polarisation;  // I, and Q with U, as SkyView has them
   std::vector<float> band_from_channel, one_minus_sine, row_sum, column_sum, cell_density;
@@ -62,7 +63,8 @@ void keep_intensity_alone(LightData& data);
 // called once.
 void scale_to_radiance_unit(LightData& data);
 
-// Lamps in a frame with this origin, which LightView::lamp_origin_m places in the traced one.
+// Lamps and shadows of clouds in a frame with this origin, which LightView::lamp_origin_m places in
+// the traced one.
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
 
 // What linear RGB of a material's emissive factor times texture is in each band, [band][3], in the

@@ -86,12 +86,17 @@ void add_diffuse(const Maker& make, const Material& m, const Weights& ultraviole
   // As glTF has it, what is transmitted is taken from what is reflected; spectra stand for
   // themselves.
   const bool shared = m.reflectance.empty() && m.transmittance.empty();
-  const double reflected = shared ? 1 - static_cast<double>(m.diffuse_transmission) : 1;
+  // Where its factor differs from place to place, eval_spectra takes it.
+  const bool varies = m.transmittance.empty() && m.diffuse_transmission_factor_texture.texture >= 0;
+  const double reflected =
+      shared && !varies ? 1 - static_cast<double>(m.diffuse_transmission) : 1;
   view.reflectance = make.keep(band_matrix<4>(make.bands, [&](double nm, double width_nm) {
     return scaled(weights(m.reflectance, nm, width_nm), reflected);
   }));
   if (m.transmittance.empty() && m.diffuse_transmission == 0) return;
-  const double transmitted = m.transmittance.empty() ? m.diffuse_transmission : 1;
+  const double transmitted = m.transmittance.empty() && !varies ? m.diffuse_transmission : 1;
+  if (varies) view.diffuse_transmission = m.diffuse_transmission;
+  view.reflects_the_rest = varies && shared;
   view.transmittance = make.keep(band_matrix<4>(make.bands, [&](double nm, double width_nm) {
     return scaled(weights(m.transmittance, nm, width_nm), transmitted);
   }));
@@ -126,6 +131,7 @@ void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   view.transmission = m.transmission;
   view.clearcoat = m.clearcoat;
   view.clearcoat_roughness = m.clearcoat_roughness;
+  view.coat_normal_scale = m.clearcoat_normal_scale;
   const Vec3 tint = m.specular_color;
   // In the ultraviolet as at 400 nm: RGB says nothing there, and nearly all specular reflection is
   // achromatic.
@@ -178,7 +184,6 @@ void lay_out(const Maker& make, const Mesh& mesh, const Material& m, const Scatt
       view.transmission_density);
   add(m.extra.texture, scatter.extra_texture, view.extra_uv, view.extra_density);
 
-  if (m.unlit) return;
   FactorTextures factors;
   bool any = false;
   const auto add_factor = [&](const TextureUse& use, TextureRead& read, ImageCodes codes,
@@ -188,11 +193,19 @@ void lay_out(const Maker& make, const Mesh& mesh, const Material& m, const Scatt
     any |= read.texture >= 0;
   };
   // Where alpha is blended, coarser levels hold its mean.
-  add_factor(m.specular_texture, factors.specular, ImageCodes::linear, {AlphaMode::blend, 0});
-  add_factor(m.transmission_texture, factors.transmission, ImageCodes::linear);
-  add_factor(m.clearcoat_texture, factors.coat, ImageCodes::linear);
-  add_factor(m.clearcoat_roughness_texture, factors.coat_roughness, ImageCodes::linear);
-  add_factor(m.specular_color_texture, factors.specular_color, ImageCodes::srgb);
+  const AlphaUse mean_alpha{AlphaMode::blend, 0};
+  if (scatter.diffuse_transmission > 0)
+    add_factor(m.diffuse_transmission_factor_texture, factors.diffuse_transmission,
+               ImageCodes::linear, mean_alpha);
+  if (!m.unlit) {
+    add_factor(m.specular_texture, factors.specular, ImageCodes::linear, mean_alpha);
+    add_factor(m.transmission_texture, factors.transmission, ImageCodes::linear);
+    add_factor(m.clearcoat_texture, factors.coat, ImageCodes::linear);
+    add_factor(m.clearcoat_roughness_texture, factors.coat_roughness, ImageCodes::linear);
+    if (m.clearcoat > 0)
+      add_factor(m.clearcoat_normal_texture, factors.coat_normal, ImageCodes::linear);
+    add_factor(m.specular_color_texture, factors.specular_color, ImageCodes::srgb);
+  }
   if (!any) return;
   make.data.factors.push_back(factors);
   view.factors = &make.data.factors.back();

@@ -89,7 +89,9 @@ void visit_arrays(FactorTextures& view, Visit& visit, std::int64_t corners,
   visit_arrays(view.transmission, visit, corners, triangles);
   visit_arrays(view.coat, visit, corners, triangles);
   visit_arrays(view.coat_roughness, visit, corners, triangles);
+  visit_arrays(view.coat_normal, visit, corners, triangles);
   visit_arrays(view.specular_color, visit, corners, triangles);
+  visit_arrays(view.diffuse_transmission, visit, corners, triangles);
 }
 
 template <typename Visit>
@@ -200,6 +202,7 @@ void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.sky, visit, view.bands);
   visit(view.extinction_per_m, {view.bands});
   visit.views(view.discs, {view.disc_count}, view.bands);
+  visit(view.clouds.optical_depth, {view.clouds.rows, view.clouds.columns});
   visit.views(view.lamps, {view.lamp_count}, view.bands);
   visit(view.lamp_sum, {view.lamp_count + 1});
   visit(view.lamp_origin_m, {3}, placed);

@@ -201,7 +201,8 @@ void warn_of_missing_texcoords(GltfMeshReader& reader, const std::string& place,
         &material.metallic_roughness_texture, &material.normal_texture, &material.specular_texture,
         &material.specular_color_texture, &material.transmission_texture,
         &material.diffuse_transmission_texture, &material.clearcoat_texture,
-        &material.clearcoat_roughness_texture, &material.extra.texture})
+        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture,
+        &material.diffuse_transmission_factor_texture, &material.extra.texture})
     if (use->texture >= 0 && mesh.texcoords[static_cast<std::size_t>(use->texcoord_set)].empty())
       reader.warnings.add(
           "a mesh has no texture coordinates for its material's texture; (0, 0) is "

@@ -70,8 +70,10 @@ void read_specular(const ScatteringReader& reader) {
                                          TextureMeaning::data);
   m.clearcoat_roughness_texture = read_texture_use(
       reader.textures, coat, "clearcoatRoughnessTexture", reader.place, TextureMeaning::data);
-  if (coat.contains("clearcoatNormalTexture"))
-    reader.warn("normals of a clearcoat are not supported; those of the surface are taken");
+  m.clearcoat_normal_texture = read_texture_use(reader.textures, coat, "clearcoatNormalTexture",
+                                                reader.place, TextureMeaning::data);
+  if (m.clearcoat_normal_texture.texture >= 0)
+    m.clearcoat_normal_scale = coat["clearcoatNormalTexture"].value("scale", 1.0f);
 }
 
 void read_transmission(const ScatteringReader& reader) {
@@ -86,8 +88,9 @@ void read_transmission(const ScatteringReader& reader) {
     m.diffuse_transmission_color = gltf_vec3(diffuse["diffuseTransmissionColorFactor"]);
   m.diffuse_transmission_texture =
       read_texture_use(reader.textures, diffuse, "diffuseTransmissionColorTexture", reader.place);
-  if (diffuse.contains("diffuseTransmissionTexture"))
-    reader.warn("the texture diffuseTransmissionTexture is not supported; its factor alone counts");
+  m.diffuse_transmission_factor_texture =
+      read_texture_use(reader.textures, diffuse, "diffuseTransmissionTexture", reader.place,
+                       TextureMeaning::alpha);
   if (!reader.extension("KHR_materials_volume").empty())
     reader.warn("KHR_materials_volume is not supported: surfaces are thin");
 }

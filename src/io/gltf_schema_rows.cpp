@@ -156,17 +156,15 @@ void add_scattering(GltfMember& root) {
   add_texture_use(root, transmission, "transmissionTexture");
   const std::string diffuse = extensions + ".KHR_materials_diffuse_transmission";
   add(root, diffuse,
-      {{"diffuseTransmissionFactor", number},
-       {"diffuseTransmissionColorFactor", three_numbers},
-       {"diffuseTransmissionTexture", whole_object}});  // likewise
+      {{"diffuseTransmissionFactor", number}, {"diffuseTransmissionColorFactor", three_numbers}});
+  add_texture_use(root, diffuse, "diffuseTransmissionTexture");
   add_texture_use(root, diffuse, "diffuseTransmissionColorTexture");
   const std::string coat = extensions + ".KHR_materials_clearcoat";
-  add(root, coat,
-      {{"clearcoatFactor", number},
-       {"clearcoatRoughnessFactor", number},
-       {"clearcoatNormalTexture", whole_object}});  // likewise
+  add(root, coat, {{"clearcoatFactor", number}, {"clearcoatRoughnessFactor", number}});
   add_texture_use(root, coat, "clearcoatTexture");
   add_texture_use(root, coat, "clearcoatRoughnessTexture");
+  add_texture_use(root, coat, "clearcoatNormalTexture");
+  add(root, coat + ".clearcoatNormalTexture", {{"scale", number}});
 
   const std::string omma = "materials[].extras.omma";
   add(root, "materials[]", {{"extras", extras}});

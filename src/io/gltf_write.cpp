@@ -234,7 +234,8 @@ std::set<int> data_images(const Scene& scene) {
       add(colors, *use);
     for (const TextureUse* use :
          {&m.metallic_roughness_texture, &m.normal_texture, &m.transmission_texture,
-          &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.extra.texture})
+          &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
+          &m.extra.texture})
       add(data, *use);
   }
   for (const int image : colors) data.erase(image);

@@ -34,10 +34,12 @@ void write_scattering(GltfWriter& writer, const Material& m, json& made) {
   if (m.metallic_roughness_texture.texture >= 0)
     made["pbrMetallicRoughness"]["metallicRoughnessTexture"] =
         texture_use(writer, m.metallic_roughness_texture);
-  if (m.normal_texture.texture >= 0) {
-    made["normalTexture"] = texture_use(writer, m.normal_texture);
-    if (m.normal_scale != usual.normal_scale) made["normalTexture"]["scale"] = m.normal_scale;
-  }
+  const auto add_normals = [&](json& holder, const char* name, const TextureUse& use, float scale) {
+    if (use.texture < 0) return;
+    holder[name] = texture_use(writer, use);
+    if (scale != 1) holder[name]["scale"] = scale;
+  };
+  add_normals(made, "normalTexture", m.normal_texture, m.normal_scale);
   if (m.ior != usual.ior) extension(writer, made, "KHR_materials_ior") = {{"ior", m.ior}};
   const auto is_there = [](const TextureUse& use) { return use.texture >= 0; };
   const auto add_texture = [&](json& extension, const char* name, const TextureUse& use) {
@@ -56,18 +58,22 @@ void write_scattering(GltfWriter& writer, const Material& m, json& made) {
     add_texture(straight, "transmissionTexture", m.transmission_texture);
   }
   if (m.diffuse_transmission != 0 || is_there(m.diffuse_transmission_texture) ||
+      is_there(m.diffuse_transmission_factor_texture) ||
       m.diffuse_transmission_color != usual.diffuse_transmission_color) {
     json& diffuse = extension(writer, made, "KHR_materials_diffuse_transmission") = {
         {"diffuseTransmissionFactor", m.diffuse_transmission},
         {"diffuseTransmissionColorFactor", numbers(m.diffuse_transmission_color)}};
+    add_texture(diffuse, "diffuseTransmissionTexture", m.diffuse_transmission_factor_texture);
     add_texture(diffuse, "diffuseTransmissionColorTexture", m.diffuse_transmission_texture);
   }
   if (m.clearcoat != 0 || m.clearcoat_roughness != 0 || is_there(m.clearcoat_texture) ||
-      is_there(m.clearcoat_roughness_texture)) {
+      is_there(m.clearcoat_roughness_texture) || is_there(m.clearcoat_normal_texture)) {
     json& coat = extension(writer, made, "KHR_materials_clearcoat") = {
         {"clearcoatFactor", m.clearcoat}, {"clearcoatRoughnessFactor", m.clearcoat_roughness}};
     add_texture(coat, "clearcoatTexture", m.clearcoat_texture);
     add_texture(coat, "clearcoatRoughnessTexture", m.clearcoat_roughness_texture);
+    add_normals(coat, "clearcoatNormalTexture", m.clearcoat_normal_texture,
+                m.clearcoat_normal_scale);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "omma/error.h"
 #include "omma/scene_kinds.h"
@@ -151,6 +152,27 @@ void check_disc(const Disc& disc, std::size_t bands, const std::string& name) {
     if (!(u >= 0 && u <= 1)) refuse(name + ".limb_darkening", "0 to 1", number_text(u));
 }
 
+void check_cloud_shadow(const CloudShadow& shadow) {
+  const std::string name = "cloud_shadow.";
+  if (shadow.columns < 2 || shadow.rows < 2)
+    refuse(name + "optical_depth", "2 or more rows and columns",
+           std::to_string(shadow.rows) + " x " + std::to_string(shadow.columns));
+  if (shadow.optical_depth.size() !=
+      static_cast<std::size_t>(shadow.rows) * static_cast<std::size_t>(shadow.columns))
+    refuse(name + "optical_depth", "one number for each row and column",
+           std::to_string(shadow.optical_depth.size()));
+  for (const float x : shadow.optical_depth)
+    if (!(x >= 0 && x <= 1e6f))
+      refuse(name + "optical_depth", "numbers of 0 to 1e6", number_text(static_cast<double>(x)));
+  if (!(shadow.spacing_m >= 1e-3 && shadow.spacing_m <= 1e6))
+    refuse(name + "spacing_m", "0.001 to 1e6", number_text(shadow.spacing_m));
+  const std::pair<const char*, double> places[] = {{"height_m", shadow.height_m},
+                                                   {"first_x_m", shadow.first_x_m},
+                                                   {"first_z_m", shadow.first_z_m}};
+  for (const auto& [member, x] : places)
+    if (!(x >= -1e9 && x <= 1e9)) refuse(name + member, "-1e9 to 1e9", number_text(x));
+}
+
 }  // namespace
 
 void validate_light(const Light& light, std::size_t materials) {
@@ -166,6 +188,7 @@ void validate_light(const Light& light, std::size_t materials) {
   for (const double x : extinction)
     if (!(x >= 0 && x <= most_extinction_per_m))
       refuse("extinction_per_m", "numbers of 0 to 1000", number_text(x));
+  if (light.cloud_shadow != nullptr) check_cloud_shadow(*light.cloud_shadow);
   if (!(light.emission_cd_m2 >= 0 && light.emission_cd_m2 <= 1e15))
     refuse("emission_cd_m2", "a number of 0 to 1e15", number_text(light.emission_cd_m2));
   if (!light.ultraviolet.empty() && light.ultraviolet.size() != materials)

@@ -29,12 +29,13 @@ constexpr std::size_t most_pixels = std::size_t(1) << 28;
 constexpr double most_radiance = 1e15;
 
 // All that materials read, but for the extra reflectance.
-constexpr std::array<TextureUse Material::*, 10> texture_uses = {
+constexpr std::array<TextureUse Material::*, 12> texture_uses = {
     &Material::base_color_texture,         &Material::emissive_texture,
     &Material::metallic_roughness_texture, &Material::normal_texture,
     &Material::specular_texture,           &Material::specular_color_texture,
     &Material::transmission_texture,       &Material::diffuse_transmission_texture,
-    &Material::clearcoat_texture,          &Material::clearcoat_roughness_texture};
+    &Material::clearcoat_texture,          &Material::clearcoat_roughness_texture,
+    &Material::clearcoat_normal_texture,   &Material::diffuse_transmission_factor_texture};
 
 bool finite(Vec2 v) {
   return std::isfinite(v.x) && std::isfinite(v.y);

@@ -104,6 +104,8 @@ void check_scattering(const Material& m, const std::string& place) {
   check_fractions(m.diffuse_transmission_color, place + "diffuse_transmission_color");
   check_range(m.clearcoat, 0, 1, place + "clearcoat");
   check_range(m.clearcoat_roughness, 0, 1, place + "clearcoat_roughness");
+  if (!std::isfinite(m.clearcoat_normal_scale))
+    throw Error(place + "clearcoat_normal_scale: expected a finite number");
   check_spectrum(m.reflectance, place + "reflectance: ", 1);
   check_spectrum(m.transmittance, place + "transmittance: ", 1);
   if (!m.reflectance.empty() && !m.transmittance.empty()) {

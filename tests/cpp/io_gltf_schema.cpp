@@ -117,7 +117,8 @@ TEST(GltfSchema, OfTextureUses) {
   for (const char* use :
        {"specular/specularTexture", "specular/specularColorTexture",
         "transmission/transmissionTexture", "clearcoat/clearcoatTexture",
-        "clearcoat/clearcoatRoughnessTexture",
+        "clearcoat/clearcoatRoughnessTexture", "clearcoat/clearcoatNormalTexture",
+        "diffuse_transmission/diffuseTransmissionTexture",
         "diffuse_transmission/diffuseTransmissionColorTexture"}) {
     const auto with = [&](const std::string& member, const json& value,
                           const std::vector<std::string>& parts) {

@@ -76,7 +76,7 @@ inline std::vector<float> far_at(const LightData& data, Vec3 d, int components =
   eval_sky_lanes<Ray>(
       data.view, {one.direction, one.on_sky, all, components > 1 ? all : LaneMask<Ray>{}, false},
       components, stokes.data());
-  add_disc_light<Ray>(data.view, one.direction, all, nullptr, stokes.data());
+  add_disc_light<Ray>(data.view, {one.direction, one.direction}, all, nullptr, stokes.data());
   return stokes;
 }
 

@@ -44,10 +44,12 @@ inline Scene scene_with_everything(bool glass) {
     }
     m.diffuse_transmission = 0.3f;
     m.diffuse_transmission_texture = next();
+    if (i % 2 == 0) m.diffuse_transmission_factor_texture = next();
     m.clearcoat = i % 2 == 0 ? 0.5f : 0.0f;
     m.clearcoat_roughness = 0.3f;
     m.clearcoat_texture = next();
     m.clearcoat_roughness_texture = next();
+    if (i % 4 == 0) m.clearcoat_normal_texture = next();
     if (i % 3 == 1) {
       m.reflectance = spectrum;
       m.transmittance = spectrum;
@@ -76,6 +78,8 @@ inline Lighting lighting_with_everything(bool polarized, std::size_t discs) {
   Lighting lighting;
   lighting.polarized = polarized;
   Light& light = lighting.light;
+  light.cloud_shadow = std::make_shared<const CloudShadow>(
+      CloudShadow{3, 2, 2.5, 20, 1, -1, {0, 0.5f, 1, 2, 0.1f, 0.3f}});
   light.unit = LightUnit::watts;
   light.bands = narrow_bands(5);
   auto sky = std::make_shared<SkyMap>(

@@ -75,16 +75,22 @@ TEST(PhysicsScatter, LobesAreReciprocal) {
   for (int trial = 0; trial < 500; ++trial) {
     ScatterSurface<float> s = random_surface(random);
     const Direction normal = {s.normal[0], s.normal[1], s.normal[2]};
+    const Direction of_coat = {s.coat_normal[0], s.coat_normal[1], s.coat_normal[2]};
     const auto view = [&](const Direction& from) {
       copy(scaled_sum(from, -1, from, 0), s.direction);
       const double side = dot(from, normal) > 0 ? 1 : -1;
+      copy(scaled_sum(of_coat, side, of_coat, 0), s.coat_normal);
       copy(scaled_sum(normal, side, normal, 0), s.normal);
       copy(scaled_sum(normal, side, normal, 0), s.geometric_normal);
       return make_scatter_point(s);
     };
     Direction a = random_direction(random), b = random_direction(random);
     // Not where the viewer's normal is bent; and the mirror's narrow lobes magnify rounding.
-    if (std::abs(dot(a, normal)) < 0.01 || std::abs(dot(b, normal)) < 0.01) continue;
+    const auto is_bent = [&](const Direction& from) {
+      const double cosine = dot(from, normal), on_coat = dot(from, of_coat);
+      return std::abs(cosine) < 0.01 || on_coat * (cosine > 0 ? 1 : -1) < 0.01;
+    };
+    if (is_bent(a) || is_bent(b)) continue;
     s.roughness = std::max(s.roughness, 0.1f);
     Vector3<float> to_a, to_b;
     copy(a, to_a);
@@ -93,8 +99,11 @@ TEST(PhysicsScatter, LobesAreReciprocal) {
                               other = eval_scatter(view(b), to_a);
     for (int k = 0; k < lobe_count; ++k) {
       const auto lobe = static_cast<Lobe>(k);
-      const double x = eval_lobe(lobe, one, 0.5f, 0) / std::abs(one.cosine);
-      const double y = eval_lobe(lobe, other, 0.5f, 0) / std::abs(other.cosine);
+      const bool is_coat = lobe == Lobe::coat;
+      const double x = eval_lobe(lobe, one, 0.5f, 0) /
+                       std::abs(is_coat ? dot(b, of_coat) : static_cast<double>(one.cosine));
+      const double y = eval_lobe(lobe, other, 0.5f, 0) /
+                       std::abs(is_coat ? dot(a, of_coat) : static_cast<double>(other.cosine));
       EXPECT_NEAR(x, y, 1e-4 * x + 1e-9) << trial << ' ' << k;
     }
     EXPECT_NEAR(one.dielectric.c / one.cosine, other.dielectric.c / other.cosine,
@@ -212,6 +221,7 @@ TEST(PhysicsScatter, SmoothIsAMirror) {
 TEST(PhysicsScatter, WrongSidesAreDark) {
   ScatterSurface<float> s = surface({0, -1, 0}, {0, 1, 0});
   copy(unit({1, 1, 0}), s.normal);
+  copy(unit({1, 1, 0}), s.coat_normal);
   s.metallic = 0.5f;
   s.coat = 0.5f;
   s.coat_table = coat_table();

@@ -99,6 +99,7 @@ TEST(PhysicsScatter, LanesAgree) {
       for (int r = 0; r < 3; ++r) {
         all.direction[r][l] = s.direction[r];
         all.normal[r][l] = s.normal[r];
+        all.coat_normal[r][l] = s.coat_normal[r];
         all.geometric_normal[r][l] = s.geometric_normal[r];
       }
       all.roughness[l] = s.roughness;

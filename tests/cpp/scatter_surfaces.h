@@ -70,6 +70,7 @@ inline ScatterSurface<float> surface(const Direction& direction, const Direction
   ScatterSurface<float> s{};
   copy(direction, s.direction);
   copy(normal, s.normal);
+  copy(normal, s.coat_normal);
   copy(normal, s.geometric_normal);
   s.roughness = 1;
   s.specular = 1;
@@ -97,6 +98,9 @@ inline ScatterSurface<float> random_surface(std::mt19937& random) {
   s.coat = some();
   s.coat_roughness = any(random);
   s.coat_table = any(random) < 0.5f ? coat_table() : nullptr;
+  // Some coats have a map of normals.
+  if (any(random) < 0.3f)
+    copy(unit(scaled_sum(normal, 1, across(random, normal), 0.3 * any(random))), s.coat_normal);
   s.table = static_cast<std::int32_t>(random() % 4);
   s.ior = static_cast<float>(iors[s.table]);
   return s;

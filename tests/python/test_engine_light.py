@@ -23,6 +23,7 @@ def arguments(**changes: Any) -> dict[str, Any]:
         "band_from_channel": None,
         "discs": [((0, 1, 0), 0.005, [1.0, 2.0], None), ((0, 0, -1), 0.01, [1, 1], [0.5, 1])],
         "extinction_per_m": [0.5, 0.25],
+        "cloud_shadow": (np.arange(6, dtype=np.float32).reshape(2, 3), 30.0, 1000.0, (-5.0, 7.0)),
         "ultraviolet": [[0, 0, 1, 0], [0, 0, 0, 0.05]],
     }
     return {**sound, **changes}
@@ -32,7 +33,7 @@ def test_what_is_given_comes_back_read_only() -> None:
     given = arguments(band_from_channel=[[1, 0], [0.5, 0.5]], unit="watts")
     light = _core.Light(**given)
     sky, matrix, ultraviolet = light.sky, light.band_from_channel, light.ultraviolet
-    extinction = light.extinction_per_m
+    extinction, shadow = light.extinction_per_m, light.cloud_shadow
     discs, weight, wavelength_nm = light.discs, light.weight, light.wavelength_nm
     assert light.unit == "watts"
     del light
@@ -46,6 +47,9 @@ def test_what_is_given_comes_back_read_only() -> None:
     np.testing.assert_array_equal(matrix, given["band_from_channel"])
     np.testing.assert_array_equal(ultraviolet, given["ultraviolet"])
     np.testing.assert_array_equal(extinction, given["extinction_per_m"])
+    assert shadow is not None
+    np.testing.assert_array_equal(shadow[0], given["cloud_shadow"][0])
+    assert shadow[1:] == given["cloud_shadow"][1:]
     np.testing.assert_array_equal(weight, given["weight"])
     np.testing.assert_array_equal(wavelength_nm, given["wavelength_nm"])
     assert [disc[0] for disc in discs] == [(0, 1, 0), (0, 0, -1)]
@@ -53,16 +57,19 @@ def test_what_is_given_comes_back_read_only() -> None:
     np.testing.assert_array_equal(discs[0][2], [1, 2])
     assert discs[0][3] is None
     np.testing.assert_array_equal(discs[1][3], [0.5, 1])
-    for array in (sky, matrix, ultraviolet, extinction, weight, wavelength_nm, discs[0][2]):
+    views = [sky, matrix, ultraviolet, extinction, shadow[0], weight, wavelength_nm, discs[0][2]]
+    for array in views:
         assert not array.flags.writeable
 
 
 def test_what_is_not_given_is_none() -> None:
-    missing = dict.fromkeys(["sky", "extinction_per_m", "ultraviolet", "cell_nm"])
+    names = ["sky", "extinction_per_m", "cloud_shadow", "ultraviolet", "cell_nm"]
+    missing = dict.fromkeys(names)
     light = _core.Light(**arguments(**missing, discs=[]))
     assert light.sky is None
     assert light.band_from_channel is None
     assert light.extinction_per_m is None
+    assert light.cloud_shadow is None
     assert light.discs == ()
     assert light.ultraviolet is None
 
@@ -99,6 +106,12 @@ def spoilt(change: Callable[[np.ndarray], None]) -> np.ndarray:
         ("discs[0].radiance", {"discs": [((0, 1, 0), 0.01, [1], None)]}),
         ("discs[0].limb_darkening", {"discs": [((0, 1, 0), 0.01, [1, 1], [2, 0])]}),
         ("extinction_per_m", {"extinction_per_m": [1.0]}),
+        ("cloud_shadow", {"cloud_shadow": (np.zeros((2, 2)), 1.0)}),
+        ("cloud_shadow: first_m", {"cloud_shadow": (np.zeros((2, 2)), 1.0, 9.0, (0, 0, 0))}),
+        ("cloud_shadow.optical_depth", {"cloud_shadow": (np.zeros((1, 2)), 1.0, 9.0, (0, 0))}),
+        ("cloud_shadow.optical_depth", {"cloud_shadow": (-np.ones((2, 2)), 1.0, 9.0, (0, 0))}),
+        ("cloud_shadow.spacing_m", {"cloud_shadow": (np.zeros((2, 2)), 0.0, 9.0, (0, 0))}),
+        ("cloud_shadow.height_m", {"cloud_shadow": (np.zeros((2, 2)), 1.0, 2e9, (0, 0))}),
         ("extinction_per_m", {"extinction_per_m": [1.0, -1.0]}),
         ("extinction_per_m", {"extinction_per_m": [1.0, 1001.0]}),
         ("ultraviolet", {"ultraviolet": [[0, 0, 1]]}),

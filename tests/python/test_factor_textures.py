@@ -3,7 +3,7 @@ half of the texture is 0 and the other 1 looks as two materials do."""
 
 import numpy as np
 import pytest
-from lit_checks import BAND, eyes_at, matter, square
+from lit_checks import BAND, eyes_at, matter, shining, square
 
 import omma
 from omma.light import Bands, uniform_sky
@@ -75,6 +75,73 @@ def test_half_a_factor(factor):
     np.testing.assert_allclose(found[0], half[0], rtol=1e-6)
     # What a picture holds above 1 counts as 1: no surface gives back more than it gets.
     np.testing.assert_array_equal(found[1], seen(material, lighting="path")[1])
+
+
+# As a spectrum reflectance stands for itself; as a colour it is of what does not go through.
+@pytest.mark.parametrize("known", [{}, {"reflectance": None, "base_color": (0.5, 0.5, 0.5, 1)}])
+def test_diffuse_transmission(known):
+    sheet = matter(0.2, diffuse_transmission_color=(0.8, 0.8, 0.8)).replace(**known)
+    textured = sheet.replace(
+        diffuse_transmission=0.6, diffuse_transmission_factor_texture=TextureUse(0)
+    )
+    found = seen(textured, halves(ALPHA, 0.25, 1.0), lighting="path")
+    parts = [
+        seen(sheet.replace(diffuse_transmission=part), lighting="path") for part in (0, 0.15, 0.6)
+    ]
+    # The factors are multiplied in another order: single precision.
+    np.testing.assert_allclose(found[0], parts[1][0], rtol=1e-6)
+    np.testing.assert_allclose(found[1], parts[2][1], rtol=1e-6)
+    assert abs(parts[1][0, 0] / parts[0][0, 0] - 1) > 0.01, "the factor is seen"
+
+
+COAT = {"specular": 0.0, "clearcoat": 1.0, "clearcoat_roughness": 0.0}
+TURNED = {"clearcoat_normal_texture": TextureUse(0)}
+
+
+# What mirrors straight above a mirror of water or glass: itself dark, or what shines aside.
+@pytest.mark.parametrize(
+    ("material", "sees"),
+    [
+        (matter(0.0, **COAT), "above"),
+        (matter(0.0, **COAT, normal_texture=TextureUse(0)), "above"),
+        (matter(0.0, **COAT, **TURNED), "aside"),
+        (matter(0.0, **COAT, **TURNED, clearcoat_normal_scale=0.0), "above"),
+        (matter(0.0, roughness=0.0, specular=1.0, normal_texture=TextureUse(0)), "aside"),
+        (matter(0.0, roughness=0.0, specular=1.0, **TURNED, clearcoat=0.0), "above"),
+    ],
+)
+def test_a_coat_mirrors_by_normals_of_its_own(material, sees):
+    """A lamp where the mesh's own normal mirrors a ray, or where one turned by 30 degrees does."""
+    angle = np.radians(30)
+    codes = [0.5 + 0.5 * np.sin(angle), 0.5, 0.5 + 0.5 * np.cos(angle), 1.0]
+    picture = Image(np.full((1, 1, 4), codes, np.float32))
+    # A ray along (0, -1, -1) is mirrored to (0, 1, -1) or, about the turned normal, off the plane.
+    normals = {"above": np.array([0.0, 1, 0]), "aside": np.array([np.sin(angle), np.cos(angle), 0])}
+    axis = np.array([0.0, -1.0, -1.0]) / np.sqrt(2)
+    for place, normal in normals.items():
+        towards = axis - 2 * (axis @ normal) * normal
+        lamp = square(0.5, 4 * towards, -towards, material=1)
+        ground = square(2, (0, 0, 0), (0, 1, 0))
+        scene = omma.Scene(
+            meshes=[ground, lamp],
+            materials=[material, shining(1.0)],
+            images=[picture],
+            textures=[Texture(0)],
+        )
+        dim = uniform_sky(1e-9, bands=BAND, unit="watts")
+        world = omma.World(scene, light=dim, lighting="path")
+        found = omma.Renderer(world, eyes_at(-axis, axis), omma.Fixed(256)).render(np.eye(4))[0, 0]
+        cosine = -axis @ normal
+        sine = np.sqrt(1 - cosine**2) / 1.5
+        inside = np.sqrt(1 - sine**2)
+        across = ((cosine - 1.5 * inside) / (cosine + 1.5 * inside)) ** 2
+        along = ((inside - 1.5 * cosine) / (inside + 1.5 * cosine)) ** 2
+        fresnel = (across + along) / 2
+        if place == sees:
+            # One lobe in many is taken, and the lamp found by two ways: noise of 256 rays.
+            assert found == pytest.approx(fresnel, rel=0.05)
+        else:
+            assert found < 1e-3 * fresnel
 
 
 def test_in_baked_light():

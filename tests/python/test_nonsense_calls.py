@@ -654,6 +654,9 @@ def public_calls(folder):
         "Lattice": (omma.eye.lay_directions(0.3), {}),
         "Observer": (omma.colour_vision.Observer(), {"direction": ()}),
         "Bands": (few, {"mean": ([1.0, 2.0], [300.0, 700.0])}),
+        "CloudShadow": (omma.light.CloudShadow([[0.0, 1.0], [1.0, 0.0]], 50.0, 800.0), {
+            "transmittance": ((0, 0, 0), (0, 1, 0)),
+        }),
         "Disc": (omma.light.Disc((0, 1, 0), 0.004, [1.0]), {"radiance_at": ((0, 1, 0),)}),
         "Light": (light, {
             "radiance": ((0, 1, 0),), "irradiance": (), "turned": (10.0,), "scaled": (2.0,),

@@ -125,7 +125,7 @@ def materials(draw):
     maybe = st.none()
     use = st.builds(TextureUse, st.just(0), st.integers(0, 1), st.tuples(fractions, fractions))
     texture = maybe | use
-    normal = draw(texture)
+    normal, of_coat = draw(texture), draw(texture)
     return Material(
         metallic=draw(fractions),
         roughness=draw(fractions),
@@ -140,12 +140,15 @@ def materials(draw):
         transmission=draw(fractions),
         transmission_texture=draw(texture),
         diffuse_transmission=draw(fractions),
+        diffuse_transmission_factor_texture=draw(texture),
         diffuse_transmission_color=draw(colors),
         diffuse_transmission_texture=draw(texture),
         clearcoat=draw(fractions),
         clearcoat_texture=draw(texture),
         clearcoat_roughness=draw(fractions),
         clearcoat_roughness_texture=draw(texture),
+        clearcoat_normal_texture=of_coat,
+        clearcoat_normal_scale=1 if of_coat is None else draw(st.floats(-8, 8, width=32)),
         reflectance=draw(maybe | spectra(0.5)),
         transmittance=draw(maybe | spectra(0.5)),
         spectral_luminance=draw(st.floats(2**-10, 10, width=32)),

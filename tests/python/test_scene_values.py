@@ -87,12 +87,15 @@ def everything():
                 transmission=0.05,
                 transmission_texture=TextureUse(2, 0, (0.5, 0.25)),
                 diffuse_transmission=0.3,
+                diffuse_transmission_factor_texture=TextureUse(3, 1),
                 diffuse_transmission_color=(0.2, 0.9, 0.1),
                 diffuse_transmission_texture=4,
                 clearcoat=0.2,
                 clearcoat_texture=3,
                 clearcoat_roughness=0.6,
                 clearcoat_roughness_texture=TextureUse(2, rotation_rad=0.5),
+                clearcoat_normal_texture=2,
+                clearcoat_normal_scale=0.3,
                 reflectance=Spectrum([300, 401.5, 700], [0.05, 0.1, 1 / 3]),
                 transmittance=Spectrum([300, 700], [0.001, 0.2]),
                 spectral_luminance=0.3,
@@ -330,6 +333,8 @@ def test_merged_scenes_are_those_scenes(eye):
     assert petal.transmission_texture.texture == 2 + len(box.textures)
     assert petal.clearcoat_texture.texture == 3 + len(box.textures)
     assert petal.clearcoat_roughness_texture.texture == 2 + len(box.textures)
+    assert petal.clearcoat_normal_texture.texture == 2 + len(box.textures)
+    assert petal.diffuse_transmission_factor_texture.texture == 3 + len(box.textures)
     assert petal.extra_reflectance.texture.texture == 3 + len(box.textures)
     assert petal.extra_reflectance.spectra == scene.materials[2].extra_reflectance.spectra
     other = omma.Background.constant((1, 0, 0))

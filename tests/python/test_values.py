@@ -138,6 +138,7 @@ def examples(files, tmp_path_factory):
             position=(0, 1, 0),
         ),
         "light.Bands": omma.light.Bands.equal(),
+        "light.CloudShadow": omma.light.CloudShadow([[0.0, 1.0], [1.0, 0.0]], 50.0, 800.0),
         "light.Disc": omma.light.Disc((0, 1, 0), 0.004, [1.0, 2.0], [0.5, 0.6]),
         "light.Light": omma.light.uniform_sky(2.0).turned(10).scaled(3),
         "receptors.BandError": omma.receptors.band_error(
@@ -253,7 +254,7 @@ UNHASHABLE = {
     "columns.Columns", "columns.PhotoreceptorTable", "datasets.Job", "datasets.Views", "gym.Moment",
     "eye.EyeMeasures", "eye.hexagonal.HexagonalCoordinates", "eye.lattice.Lattice",
     "eye.lattice.LatticeCheck", "eye.scans.LensConeEye", "eye.superposition.Wiring",
-    "light.Bands", "light.Disc", "light.Light",
+    "light.Bands", "light.CloudShadow", "light.Disc", "light.Light",
     "receptors.BandError", "stimuli.Target",
     "motion.DetectorArray", "motion.DetectorState", "motion.LoomingCells",
     "motion.GroundAt", "motion.Track", "photoreceptors.EventSensor", "photoreceptors.EventState",

@@ -168,6 +168,7 @@ _OWN = {
     "Camera": "omma.scene.Camera",
     "CaptureCameras": "omma.scene.CaptureCameras",
     "SplatCloud": "omma.scene.SplatCloud",
+    "CloudShadow": "omma.light.CloudShadow",
     "DiscTarget": "omma.colour_vision.DiscTarget",
     "DetectorState": "omma.motion.DetectorState",
     "EventState": "omma.photoreceptors.EventState",

@@ -1,6 +1,7 @@
 from .air import with_air
 from .bands import Bands, band_from_rgb, primary_spectra
 from .cie_skies import cie_relative_luminance, cie_sky
+from .cloud_shadow import CloudShadow
 from .clouds import cloud_transmittance, clouded, cloudy_sky
 from .dark_skies import night_sky, night_sky_at
 from .discs import Disc
@@ -19,6 +20,7 @@ from .water import under_water
 
 __all__ = [
     "Bands",
+    "CloudShadow",
     "Disc",
     "Light",
     "MoonPosition",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,7 @@ from omma.base.directions import direction
 from omma.light import sky_map
 from omma.light.bands import Bands
 from omma.light.cie_skies import scattered
+from omma.light.cloud_shadow import CloudShadow
 from omma.light.discs import Disc
 from omma.light.lights import Light, makes_light
 from omma.light.skies import clear_sky
@@ -25,6 +27,10 @@ Kind = Literal["cumulus", "cirrus", "deck"]
 ROWS, COLUMNS = 91, 360
 # Of droplets and crystals in visible light (recalled): the mean cosine of scattering.
 _ASYMMETRY = 0.85
+# The field of noise that clouds are cut from: a square that repeats, in heights of the layer.
+_CELLS, _SIDE = 512, 16.0
+# Nodes of its shadow in a cell, which are then closer than half-shade by the sun's disc is wide.
+_FINER = 4
 # A disc that is weaker than this share of itself is not there.
 _LEAST_SHARE = 1e-9
 
@@ -62,6 +68,7 @@ def clouded(
     optical_depth: float | None = None,
     polarisation: float = 0.1,
     seed: int = 0,
+    shadow_height_m: float | None = None,
 ) -> Light:
     """A light with clouds before its sky and its discs, such as that of `clear_sky`.
 
@@ -81,6 +88,9 @@ def clouded(
             has that sky's angle, as measured (Hegedüs, Akesson and Horváth 2007: degrees up to
             0.16 below thick clouds).
         seed: of the shapes.
+        shadow_height_m: of the layer above the world's origin, 1,000 of fair-weather cumulus: the
+            same clouds then cast shadows on the ground (`CloudShadow`), and whoever goes on below
+            them comes into the sun. None: all is lit as the world's origin is.
 
     Example:
         >>> sky = omma.light.clouded(omma.light.clear_sky(40), 0.5, "cumulus", seed=3)
@@ -88,7 +98,8 @@ def clouded(
         (1, (91, 360, 3))
 
     Raises:
-        omma.Error: a light without a sky, or a number out of range.
+        omma.Error: a light without a sky, a shadow without a disc that would cast it, or a number
+            out of range.
     """
     within(cloud_fraction, "cloud_fraction", 0, 1)
     cloud = _KINDS[one_of(kind, _KINDS, "kind")]
@@ -104,7 +115,7 @@ def clouded(
     )
     rows, columns = behind.shape[1:3]
     elevation, azimuth = (one.copy() for one in sky_map.sky_nodes(rows, columns))
-    depth = _depths(elevation[0], azimuth, cloud_fraction, cloud, thickest, seed)
+    depth, cast = _depths(elevation[0], azimuth, cloud_fraction, cloud, thickest, seed)
     sine = np.sin(elevation[0])[:, None]
     through = _passed(depth, sine)
     own = _own_light(light, behind, depth, through, cloud)
@@ -124,7 +135,16 @@ def clouded(
     # The ground is as bright as what falls on it.
     before, after = (sum(one.irradiance()) for one in (light, clouds))
     sky[1] *= np.divide(after, before, out=np.zeros_like(after), where=before > 0)
-    return replace(clouds, sky=sky, extinction_per_m=light.extinction_per_m)
+    shadow = None
+    if shadow_height_m is not None:
+        shadow = _shadow(light.discs, cast(), positive(shadow_height_m, "shadow_height_m"))
+    return replace(
+        clouds,
+        sky=sky,
+        discs=discs if shadow is None else light.discs,
+        extinction_per_m=light.extinction_per_m,
+        cloud_shadow=shadow,
+    )
 
 
 @checked
@@ -135,6 +155,7 @@ def cloudy_sky(
     *,
     sun_azimuth_deg: float = 0.0,
     seed: int = 0,
+    shadow_height_m: float | None = None,
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -142,13 +163,13 @@ def cloudy_sky(
 
     Args:
         sun_elevation_deg, sun_azimuth_deg, bands, unit: as of `clear_sky`.
-        cloud_fraction, kind, seed: as of `clouded`.
+        cloud_fraction, kind, seed, shadow_height_m: as of `clouded`.
 
     Raises:
         omma.Error: a number out of range.
     """
     clear = clear_sky(sun_elevation_deg, sun_azimuth_deg=sun_azimuth_deg, bands=bands, unit=unit)
-    return clouded(clear, cloud_fraction, kind, seed=seed)
+    return clouded(clear, cloud_fraction, kind, seed=seed, shadow_height_m=shadow_height_m)
 
 
 @checked
@@ -245,39 +266,68 @@ def _disc_share(disc: Disc, depth: Floats, azimuth: Floats) -> float:
     return float(np.exp(-sky_map.look_up(field, disc.direction)[0, 0] / m))
 
 
+def _shadow(discs: tuple[Disc, ...], depth: Floats, height_m: float) -> CloudShadow:
+    """What a field of optical depths casts: at the world's origin as the sky shows it."""
+    if not discs:
+        raise Error("shadow_height_m: expected a light with a sun or a moon, found no disc")
+    x, y, z = discs[0].direction
+    # The sky's layer comes down towards the horizon, the ground's is level: the sun is behind the
+    # same cloud.
+    apart = height_m * (1 / max(y, 1e-3) - _layer_distance(y)) if y > 0 else 0.0
+    spacing = _SIDE / (_FINER * _CELLS) * height_m
+    return CloudShadow(depth, spacing, height_m, (apart * x, apart * z))
+
+
+def _layer_distance(sine: Any) -> Any:
+    """Of a flat layer that comes down towards the horizon: how far off, over cos e, in heights."""
+    return 1 / (sine + 0.2)
+
+
 def _depths(
     elevation: Floats, azimuth: Floats, fraction: float, cloud: _Kind, thickest: float, seed: int
-) -> Floats:
-    """Optical depths upwards, (rows, columns): 0 where there is no cloud."""
+) -> tuple[Floats, Callable[[], Floats]]:
+    """Optical depths upwards, 0 where there is no cloud: of a sky, (rows, columns), and what makes
+    those of the field that it shows, _FINER nodes a cell, or all alike."""
     if fraction in (0, 1):
-        return np.full((len(elevation), len(azimuth)), fraction * thickest)
+        even = fraction * thickest
+        return np.full((len(elevation), len(azimuth)), even), lambda: np.full((2, 2), even)
     e, a = elevation[:, None], azimuth[None]
-    # A flat layer that comes down towards the horizon, in its heights.
-    out = np.cos(e) / (np.sin(e) + 0.2)
-    field = _field(out * np.sin(a), -out * np.cos(a), cloud.scales, seed)
+    out = np.cos(e) * _layer_distance(np.sin(e))
+    noise = _noise(cloud.scales, seed)
+    field = _field(noise, out * np.sin(a), -out * np.cos(a))
     ring = np.cos(e) * np.ones_like(a)
     ring[0] /= 2
     ring[-1] = np.cos(np.pi / 2 - (elevation[-1] - elevation[-2]) / 4) / 2
     order = np.argsort(-field, axis=None)
     covered = np.cumsum(ring.ravel()[order]) / ring.sum()
     least = field.ravel()[order][np.searchsorted(covered, fraction)]
-    thick = np.maximum(field - least, 0) / cloud.edge
-    return np.asarray(thickest * -np.expm1(-thick))
+
+    def depth(of: Floats) -> Floats:
+        return np.asarray(thickest * -np.expm1(-np.maximum(of - least, 0) / cloud.edge))
+
+    def cast() -> Floats:
+        at = np.arange(_FINER * _CELLS) * (_SIDE / (_FINER * _CELLS))
+        return depth(_field(noise, *np.meshgrid(at, at)))
+
+    return depth(field), cast
 
 
-def _field(x: Floats, y: Floats, scales: tuple[float, float], seed: int) -> Floats:
-    """Smooth noise of a standard deviation of about 1 at places, as long and wide as ``scales``."""
-    from scipy.ndimage import map_coordinates
-
-    cells, side = 512, 16.0  # of a square that repeats
+def _noise(scales: tuple[float, float], seed: int) -> Floats:
+    """Smooth noise of a standard deviation of 1, as long and wide as ``scales``, which repeats."""
     random = np.random.Generator(np.random.Philox(seed))
-    wave = np.fft.fftfreq(cells, side / cells)
+    wave = np.fft.fftfreq(_CELLS, _SIDE / _CELLS)
     along, across = wave[None] * scales[0], wave[:, None] * scales[1]
     k = np.hypot(along, across)
     # Shapes of the given size, with ever weaker ones down to a twentieth of it.
     power = k**2 * (0.25 + k**2) ** (-2.6) * np.exp(-((k / 20) ** 2))
-    noise = np.fft.fft2(random.standard_normal((cells, cells))) * np.sqrt(power)
+    noise = np.fft.fft2(random.standard_normal((_CELLS, _CELLS))) * np.sqrt(power)
     field = np.fft.ifft2(noise).real
-    places = [(y / side % 1) * cells, (x / side % 1) * cells]
-    found = map_coordinates(field / field.std(), places, order=1, mode="grid-wrap")
-    return np.asarray(found)
+    return np.asarray(field / field.std())
+
+
+def _field(noise: Floats, x: Floats, y: Floats) -> Floats:
+    """The noise at places, in heights of the layer."""
+    from scipy.ndimage import map_coordinates
+
+    places = [(y / _SIDE % 1) * _CELLS, (x / _SIDE % 1) * _CELLS]
+    return np.asarray(map_coordinates(noise, places, order=1, mode="grid-wrap"))

@@ -18,6 +18,7 @@ from omma.base.notebook import html_table
 from omma.base.values import value_class
 from omma.light import sky_map
 from omma.light.bands import Bands
+from omma.light.cloud_shadow import CloudShadow
 from omma.light.discs import Disc, directions_of, strengths
 from omma.light.units import Unit, check_unit
 
@@ -53,6 +54,7 @@ class Light:
     band_from_channel: (B, channels), as of a panorama in RGB. None: channels are the bands.
     discs: the sun, the moon.
     extinction_per_m: (B,), of the air between surfaces (`with_air`). None: it is clear.
+    cloud_shadow: of clouds, on what discs shine on (`clouded`). None: there is none.
     recipe: the name and the arguments of what made it, which is what a pickle holds. None: of
         numbers, which a pickle then holds.
 
@@ -67,6 +69,7 @@ class Light:
     band_from_channel: Floats | None = None
     discs: tuple[Disc, ...] = ()
     extinction_per_m: Floats | None = None
+    cloud_shadow: CloudShadow | None = None
     recipe: Recipe | None = None
 
     def __post_init__(self) -> None:
@@ -95,6 +98,8 @@ class Light:
             air = strengths(air, "extinction_per_m", (len(self.bands),))
             if np.any(air > _MOST_EXTINCTION_PER_M):
                 raise Error(f"extinction_per_m: expected at most 1000 per m, found {air.max():g}")
+        if self.cloud_shadow is not None:
+            expect(self.cloud_shadow, CloudShadow, "cloud_shadow", "clouded makes one")
         object.__setattr__(self, "extinction_per_m", air)
         object.__setattr__(self, "band_from_channel", matrix)
         object.__setattr__(self, "discs", discs)
@@ -122,6 +127,8 @@ class Light:
         if self.extinction_per_m is not None:
             thin, thick = np.sort(self.extinction_per_m)[[0, -1]]
             rows["air"] = f"extinction {thin:.3g} to {thick:.3g} m⁻¹ by band"
+        if self.cloud_shadow is not None:
+            rows["clouds' shadows"] = f"from a layer at {self.cloud_shadow.height_m:g} m"
         rows["on level ground"] = f"{total[0]:.3g} {unit} from the sky, {total[1]:.3g} from discs"
         return html_table("omma.light.Light", rows)
 
@@ -135,6 +142,7 @@ class Light:
         """Stokes vectors of sky and discs in directions (..., 3): (..., 3, B).
 
         I, Q, U; the reference axis points up. Between nodes of the sky linear, as in rendering.
+        Where clouds cast shadows, discs are as the world's origin gets them.
 
         Raises:
             omma.Error: directions that are zero or not finite.
@@ -145,13 +153,14 @@ class Light:
             seen = self._in_bands(sky_map.look_up(self.sky, towards))
             found[..., : seen.shape[-2], :] = seen
         for disc in self.discs:
-            found[..., 0, :] += disc.radiance_at(towards)
+            found[..., 0, :] += self._open(disc) * disc.radiance_at(towards)
         return found
 
     def irradiance(self, normal: ArrayLike = (0, 1, 0)) -> tuple[Floats, Floats]:
         """What falls on an unshaded surface from the sky and from the discs, each (B,).
 
-        Discs count where their centre is above the surface's horizon.
+        Discs count where their centre is above the surface's horizon, and as the world's origin
+        gets them where clouds cast shadows.
 
         Args:
             normal: (3,) of the surface; by default it lies on its back.
@@ -170,12 +179,22 @@ class Light:
             sky = self._in_bands(sky_map.irradiance(self.sky, facing))
         discs = np.zeros(len(self.bands))
         for disc in self.discs:
-            discs = discs + disc.irradiance() * max(float(disc.direction @ facing), 0.0)
+            cosine = max(float(disc.direction @ facing), 0.0)
+            discs = discs + disc.irradiance() * (self._open(disc) * cosine)
         return sky, discs
 
     @checked
     def turned(self, azimuth_deg: float) -> Light:
-        """The same light turned to the right, seen from above: a sun in the north goes east."""
+        """The same light turned to the right, seen from above: a sun in the north goes east.
+
+        Raises:
+            omma.Error: a light whose clouds cast shadows.
+        """
+        if self.cloud_shadow is not None:
+            raise Error(
+                "light: clouds that cast shadows cannot be turned; turn the light, then give it "
+                "clouds by clouded"
+            )
         turn = float(np.radians(azimuth_deg))
         if not abs(azimuth_deg) <= MOST_AZIMUTH_DEG:
             raise Error(f"azimuth_deg: expected -1e6 to 1e6, found {azimuth_deg}")
@@ -219,6 +238,9 @@ class Light:
         airs = [one.extinction_per_m for one in (self, other) if one.extinction_per_m is not None]
         if len(airs) == 2 and not np.array_equal(airs[0], airs[1]):
             raise Error("other: expected light in the same air, found other extinction_per_m")
+        shadows = [one.cloud_shadow for one in (self, other) if one.cloud_shadow is not None]
+        if len(shadows) == 2 and shadows[0] != shadows[1]:
+            raise Error("other: expected light below the same clouds, found another cloud_shadow")
         skies = [one._sky_in_bands() for one in (self, other) if one.sky is not None]
         recipe = None if other.recipe is None else self._changed("plus", other=other)
         return Light(
@@ -227,6 +249,7 @@ class Light:
             skies[0] if len(skies) == 1 else sky_map.added(*skies) if skies else None,
             discs=_joined([*self.discs, *other.discs]),
             extinction_per_m=airs[0] if airs else None,
+            cloud_shadow=shadows[0] if shadows else None,
             recipe=recipe,
         )
 
@@ -269,6 +292,11 @@ class Light:
         made = f"{name}({', '.join(own)})"
         return made if len(made) <= _LONGEST else made[: _LONGEST - 4] + "...)"
 
+    def _open(self, disc: Disc) -> float:
+        """How much of a disc clouds leave at the world's origin."""
+        shadow = self.cloud_shadow
+        return 1.0 if shadow is None else float(shadow.transmittance((0, 0, 0), disc.direction))
+
     def _sky_in_bands(self) -> NDArray[np.float32]:
         return self._in_bands(self.sky).astype(np.float32, copy=False)  # type: ignore[arg-type]
 
@@ -298,6 +326,7 @@ class Light:
                 for one in self.discs
             ],
             "extinction_per_m": self.extinction_per_m,
+            "cloud_shadow": self.cloud_shadow and self.cloud_shadow._for_engine(),
             "ultraviolet": None,
         }
 

@@ -167,9 +167,13 @@ def _material(material: Material, textures: int) -> Material:
         specular_texture=_use(material.specular_texture, textures),
         specular_color_texture=_use(material.specular_color_texture, textures),
         transmission_texture=_use(material.transmission_texture, textures),
+        diffuse_transmission_factor_texture=_use(
+            material.diffuse_transmission_factor_texture, textures
+        ),
         diffuse_transmission_texture=_use(material.diffuse_transmission_texture, textures),
         clearcoat_texture=_use(material.clearcoat_texture, textures),
         clearcoat_roughness_texture=_use(material.clearcoat_roughness_texture, textures),
+        clearcoat_normal_texture=_use(material.clearcoat_normal_texture, textures),
         extra_reflectance=extra and extra.replace(texture=_use(extra.texture, textures)),
     )
 

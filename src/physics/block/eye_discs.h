@@ -166,9 +166,14 @@ OMMA_HD_CALLED void add_disc_sums(const DiscTask& of, const DiscSums& sums, doub
   double integral[2];
   integrate_disc(of, integral);
   const DiscView& disc = *of.disc;
+  const LightView& light_view = *of.frame->scene->light;
+  const float shade = light_view.clouds.optical_depth == nullptr
+                          ? 1.0f
+                          : eval_cloud_shadow(light_view, disc, of.replicate->origin);
   for (int b = 0; b < bands; ++b) {
     const double limb = disc.limb != nullptr ? static_cast<double>(disc.limb[b]) : 0;
-    const double whole = static_cast<double>(disc.radiance[b]) * (integral[0] - limb * integral[1]);
+    const double whole =
+        static_cast<double>(disc.radiance[b] * shade) * (integral[0] - limb * integral[1]);
     double all = 0, seen = 0;
     for (int r = 0; r < disc_batches; ++r) {
       all += sums.all[r * bands + b];

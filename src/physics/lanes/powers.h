@@ -22,6 +22,27 @@ OMMA_HD F exp2_lanes(F x) {
   return sum * float_of((to_int(whole) + 127) << 23);
 }
 
+// Beyond this optical depth, 10^-26, no more is hidden: so what is left can be divided by.
+inline constexpr float greatest_depth = 60.0f;
+
+// exp(-x), 0 <= x <= greatest_depth, within 2 units in the last place; the same steps for one lane
+// and for many, as a library's function differs between processors. x = k ln 2 + f (Cody and Waite
+// 1980), and of exp(-f), |f| <= ln 2 / 2, the series to the seventh power, which errs by 10^-8.
+template <typename F>
+OMMA_HD F exp_minus(F x) {
+  const F k = floor_lanes(x * 1.44269504f + 0.5f);
+  const F f = (x - k * 0.693359375f) + k * 2.12194440e-4f;
+  F sum = broadcast<F>(1.0f);
+  for (int n = 7; n > 0; --n) sum = 1.0f - sum * f * (1.0f / static_cast<float>(n));
+  return sum * float_of((127 - to_int(k)) << 23);
+}
+
+// The same of any depth of 0 or more, at most greatest_depth of which count.
+template <typename F>
+OMMA_HD F left_by_depth(F depth) {
+  return exp_minus(depth < greatest_depth ? depth : broadcast<F>(greatest_depth));
+}
+
 // log2(x) of normal numbers above 0, to 2e-7 of it or of 1: the exponent, and the logarithm of the
 // rest m, within 1/√2 and √2, by the series of artanh((m − 1) / (m + 1)).
 template <typename F>

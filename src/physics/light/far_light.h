@@ -5,6 +5,7 @@
 #include "physics/lanes/lane_mask.h"
 #include "physics/lanes/rows.h"
 #include "physics/lanes/vector3.h"
+#include "physics/light/cloud_shadow.h"
 #include "physics/light/sky.h"
 
 namespace omma {
@@ -175,17 +176,23 @@ OMMA_HD void eval_sky_lanes(const LightView& light, const SkyQuery<L>& query, in
   }
 }
 
-// Adds the radiance of discs in the directions of some lanes to `out` [band][lane].
-// `acceptance_sr` [lane], where not null: of rays from the eye, which count some discs only
+// Directions of light from afar, and where it arrives, m in the traced frame.
+template <typename L>
+struct FarRays {
+  const float (&direction)[3][L::count];
+  const float (&place)[3][L::count];
+};
+
+// Adds the radiance of discs along the rays of some lanes to `out` [band][lane]. `acceptance_sr` [lane], where not null: of rays from the eye, which count some discs only
 // (counts_by_rays); 0 for others.
 template <typename L>
-OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][L::count],
-                            LaneMask<L> lanes, const float* acceptance_sr, float* out) {
+OMMA_HD void add_disc_light(const LightView& light, const FarRays<L>& rays, LaneMask<L> lanes,
+                            const float* acceptance_sr, float* out) {
   using F = typename L::F;
   for (int i = 0; i < light.disc_count; ++i) {
     const DiscView& disc = light.discs[i];
     for (int l = 0; l < L::count; l += L::width) {
-      const F chord = chord_2(load_vector<F>(direction, l), disc.direction);
+      const F chord = chord_2(load_vector<F>(rays.direction, l), disc.direction);
       auto inside = lanes.at(l) && chord <= disc.chord_2;
       if (!any_lane(inside)) continue;
       if (acceptance_sr != nullptr)
@@ -197,10 +204,14 @@ OMMA_HD void add_disc_light(const LightView& light, const float (&direction)[3][
         const F cosine_2 = 1.0f - sine_2 * disc.per_sine_2;
         darkened = 1.0f - sqrt_lanes(cosine_2 > 0.0f ? cosine_2 : F{});
       }
+      F shade = broadcast<F>(1.0f);
+      if (light.clouds.optical_depth != nullptr)
+        shade = eval_cloud_shadow(light, disc, keep(inside, load_vector<F>(rays.place, l)));
       for (int b = 0; b < light.bands; ++b) {
         float* const at = out + b * L::count + l;
         const float limb = disc.limb != nullptr ? disc.limb[b] : 0.0f;
-        store(at, load<F>(at) + keep(inside, disc.radiance[b] * (1.0f - limb * darkened)));
+        const F radiance = disc.radiance[b] * (1.0f - limb * darkened);
+        store(at, load<F>(at) + keep(inside, radiance * shade));
       }
     }
   }

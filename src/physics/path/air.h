@@ -8,25 +8,11 @@
 // reduction of apparent contrast by the atmosphere). Light from afar is as it arrives, through air.
 #pragma once
 
+#include "physics/lanes/powers.h"
 #include "physics/path/path_light.h"
 #include "physics/path/path_scatter.h"
 
 namespace omma {
-
-// Beyond this optical depth, 10^-26, no more is hidden: so what is left can be divided by.
-inline constexpr float greatest_depth = 60.0f;
-
-// exp(-x), 0 <= x <= greatest_depth, within 2 units in the last place; the same steps for one lane
-// and for many, as a library's function differs between processors. x = k ln 2 + f (Cody and Waite
-// 1980), and of exp(-f), |f| <= ln 2 / 2, the series to the seventh power, which errs by 10^-8.
-template <typename F>
-OMMA_HD F exp_minus(F x) {
-  const F k = floor_lanes(x * 1.44269504f + 0.5f);
-  const F f = (x - k * 0.693359375f) + k * 2.12194440e-4f;
-  F sum = broadcast<F>(1.0f);
-  for (int n = 7; n > 0; --n) sum = 1.0f - sum * f * (1.0f / static_cast<float>(n));
-  return sum * float_of((127 - to_int(k)) << 23);
-}
 
 OMMA_HD bool has_air(const SceneView& scene) {
   return scene.light->extinction_per_m != nullptr;
@@ -35,9 +21,8 @@ OMMA_HD bool has_air(const SceneView& scene) {
 // T of a band over a distance, m; 1 where that has no end.
 template <typename F>
 OMMA_HD F air_transmittance(const SceneView& scene, int band, F distance_m) {
-  const F depth = distance_m * scene.light->extinction_per_m[band];
-  const F most = broadcast<F>(greatest_depth), one = broadcast<F>(1.0f);
-  return distance_m < INFINITY ? exp_minus(depth < most ? depth : most) : one;
+  const F left = left_by_depth(distance_m * scene.light->extinction_per_m[band]);
+  return distance_m < INFINITY ? left : broadcast<F>(1.0f);
 }
 
 // What air leaves of light from lamps and surfaces that shine, `light` [component][band][lane].

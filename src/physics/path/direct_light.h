@@ -129,8 +129,8 @@ OMMA_HD void eval_visibility(const Flight<L, Search>& flight, const HitGeometry<
 
 // What arrives of the lights of some lanes that are seen, in memory.light: [component][band][lane].
 template <typename L, typename Search>
-OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const LightSamples<L>& lights,
-                                LaneMask<L> seen) {
+OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
+                                const LightSamples<L>& lights, LaneMask<L> seen) {
   const SceneView& scene = flight.scene;
   const LightView& light = *scene.light;
   const int components = flight.components(), stride = flight.stride();
@@ -145,7 +145,7 @@ OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const LightSamp
   });
   if (has_air(scene))
     dim_by_air<L>(scene, seen & lights.near, lights.distance_m, components, arriving);
-  add_disc_light<L>(light, lights.direction, far_seen, nullptr, arriving);
+  add_disc_light<L>(light, {lights.direction, geometry.position}, far_seen, nullptr, arriving);
   if (lets_through(scene))
     for (int c = 0; c < components; ++c)
       for (int i = 0; i < stride; ++i)
@@ -181,7 +181,7 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   if (!seen.any()) return;
 
   // L: what arrives.
-  eval_lights(flight, lights, seen);
+  eval_lights(flight, geometry, lights, seen);
 
   // f cos θ w / p, and on to the eye. Scattered, light is by the rays' own axes.
   alignas(n * 4) float axis[3][n] = {};

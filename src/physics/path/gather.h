@@ -190,7 +190,8 @@ OMMA_HD void add_shining(const Flight<L, Search>& flight, const GatherPoints<L>&
   for (int l = 0; l < n; l += L::width) {
     F entering = load<F>(weight + l);
     if (at.points != nullptr)
-      entering = entering * eval_entering(at.points[l / L::width], load<F>(cosine + l));
+      entering = entering * eval_entering(at.points[l / L::width], load<F>(cosine + l),
+                                          load_vector<F>(lights.direction, l));
     entering = keep(open.at(l), entering);
     for (int b = 0; b < scene.bands; ++b) {
       const int k = b * n + l;
@@ -270,7 +271,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
       if (is_on_surface) {
         const ScatterPoint<F>& point = points[l / L::width];
         const F side = dot(point.geometric_normal, w);
-        reaches_base = keep(side > 0.0f, eval_entering(point, local.z));
+        reaches_base = keep(side > 0.0f, eval_entering(point, local.z, w));
       }
       store(entering + l, reaches_base);
     }

@@ -147,7 +147,7 @@ OMMA_HD_CALLED void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes,
   alignas(n * 4) float acceptance_sr[n];
   for (int l = 0; l < n; l += L::width)
     store(acceptance_sr + l, by_chance.at(l) ? F{} : load<F>(packet.acceptance_sr + l));
-  add_disc_light<L>(light, direction, with_discs, acceptance_sr, arriving);
+  add_disc_light<L>(light, {direction, packet.rays.origin}, with_discs, acceptance_sr, arriving);
   for (int l = 0; l < n; l += L::width) {
     const F one = broadcast<F>(1.0f), density = load<F>(state.density + l);
     const F weighed = balance(density, load<F>(pdf + l));

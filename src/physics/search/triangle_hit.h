@@ -59,7 +59,10 @@ OMMA_HD unsigned cross_triangle(const SeenTriangle<V>& seen, const Vector3<float
   const F slack = (crossing.sum < 0.0f ? -crossing.sum : crossing.sum) * edge_slack;
   const F lowest = least(w[0], least(w[1], w[2])), highest = most(w[0], most(w[1], w[2]));
   const unsigned bits = lane_bits(lowest >= -slack) | lane_bits(highest <= slack);
-  if (bits == 0) return 0;
+  if (bits == 0) {
+    crossing.facing = crossing.t_m = broadcast<F>(0.0f);
+    return 0;
+  }
   crossing.facing = dot(direction, normal);
   crossing.t_m = seen.height / crossing.facing;
   return bits & ~lane_bits(crossing.facing == 0.0f);

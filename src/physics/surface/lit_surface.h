@@ -6,6 +6,7 @@
 #include "physics/lanes/vector3.h"
 #include "physics/rays/hits.h"
 #include "physics/surface/scatter.h"
+#include "physics/surface/shading_normals.h"
 #include "physics/surface/surface.h"
 #include "physics/views/path_memory.h"
 
@@ -20,6 +21,7 @@ template <typename L>
 struct LitSurface {
   alignas(L::count * 4) float normal[3][L::count];     // that shades, unit, towards the viewer
   alignas(L::count * 4) float geometric[3][L::count];  // of the triangle, unit, towards the viewer
+  alignas(L::count * 4) float coat_normal[3][L::count];  // of the coat; anything where none is coated
   alignas(L::count * 4) float roughness[L::count];
   alignas(L::count * 4) float metallic[L::count];
   alignas(L::count * 4) float ior[L::count];
@@ -31,72 +33,6 @@ struct LitSurface {
   alignas(L::count * 4) std::int32_t table[L::count];     // of its ior, ScatterView::albedo_table
   alignas(L::count * 4) std::int32_t material[L::count];  // -1 where nothing was met
 };
-
-// Normals go with the cofactors of a transform: across all that lies across them.
-template <typename F>
-OMMA_HD Vector3<F> transform_normal(const F (&m)[3][4], const Vector3<F>& own) {
-  const auto row = [&](int s, int t) {
-    return (m[s][1] * m[t][2] - m[s][2] * m[t][1]) * own.x +
-           (m[s][2] * m[t][0] - m[s][0] * m[t][2]) * own.y +
-           (m[s][0] * m[t][1] - m[s][1] * m[t][0]) * own.z;
-  };
-  return {row(1, 2), row(2, 0), row(0, 1)};
-}
-
-// The normal turned as a normal map says (glTF 2.0, 3.9.3): x along the image's rightwards, y
-// along its upwards direction on the surface, which come from the triangle's own coordinates.
-template <typename F, typename I>
-OMMA_HD Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh, const F (&m)[3][4],
-                              const SurfacePoint<F, I>& p, const Vector3<F>& n) {
-  const ScatterView& scatter = scene.scatter[mesh.material];
-  Vector3<F> corner[3];
-  Pair<F> uv[3];
-  for (int k = 0; k < 3; ++k) {
-    const I corner_index = p.triangle * 3 + k;
-    const I vertex = gather(mesh.triangles, corner_index);
-    const I at = mesh.vertex_of_corner != nullptr ? vertex : corner_index;
-    uv[k] = gather_pair(mesh.normal_uv, at);
-    corner[k] = transform_direction(
-        m, Vector3<F>{gather(mesh.positions, vertex * 3), gather(mesh.positions + 1, vertex * 3),
-                      gather(mesh.positions + 2, vertex * 3)});
-  }
-  const F du1 = uv[1].first - uv[0].first, du2 = uv[2].first - uv[0].first;
-  const F dv1 = uv[1].second - uv[0].second, dv2 = uv[2].second - uv[0].second;
-  const F sign = du1 * dv2 - du2 * dv1 < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-  const Vector3<F> e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-  Vector3<F> right = (e1 * dv2 - e2 * dv1) * sign;
-  const Vector3<F> up = opposite((e2 * du1 - e1 * du2) * sign);
-  right = normalize(right - n * dot(right, n));
-  const Vector3<F> across = cross(n, right);
-  const F hand = dot(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
-  const Color<F> c =
-      eval_texture_at(scene, mesh, scatter.normal_texture, mesh.normal_uv, mesh.normal_density, p);
-  const F x = (c.r * 2.0f - 1.0f) * scatter.normal_scale;
-  const F y = (c.g * 2.0f - 1.0f) * scatter.normal_scale * hand;
-  const F z = c.b * 2.0f - 1.0f;
-  const Vector3<F> turned = normalize(right * x + across * y + n * z);
-  return select(dot(turned, turned) > 0.5f, turned, n);
-}
-
-// The normal that shades some lanes of one mesh with normals or a map of them, whose frame is `m`,
-// on the side of the triangle to which `geometric` looks.
-template <typename F, typename I>
-OMMA_HD Vector3<F> eval_shading_normal(const SceneView& scene, const MeshView& mesh,
-                                       const F (&m)[3][4], const SurfacePoint<F, I>& p,
-                                       const Vector3<F>& geometric) {
-  Vector3<F> normal = geometric;
-  if (mesh.normals != nullptr) {
-    const F weight[3] = {1.0f - p.u - p.v, p.u, p.v};
-    Vector3<F> own = {};
-    I vertex[3];
-    gather_3(mesh.triangles, p.triangle, vertex);
-    for (int k = 0; k < 3; ++k) own = own + gather_vector<F>(mesh.normals, vertex[k]) * weight[k];
-    const Vector3<F> turned = normalize(transform_normal(m, own));
-    const Vector3<F> towards = select(dot(turned, geometric) < 0.0f, opposite(turned), turned);
-    normal = select(dot(turned, turned) > 0.5f, towards, normal);
-  }
-  return mesh.normal_uv != nullptr ? map_normal(scene, mesh, m, p, normal) : normal;
-}
 
 // Spectra of the lanes of one mesh; `keep_at(values, b, x)` stores them.
 template <typename F, typename I, typename Store>
@@ -119,15 +55,28 @@ OMMA_HD void eval_spectra(const SceneView& scene, const MeshView& mesh, const Co
   const auto of = [](const float* row, const Color<F>& c) {
     return c.r * row[0] + c.g * row[1] + c.b * row[2];
   };
+  // What a texture says of how much goes through, and what is then left to be reflected.
+  const bool varies = mesh.factors != nullptr && mesh.factors->diffuse_transmission.texture >= 0;
+  F part_through = broadcast<F>(1.0f), rest = part_through;
+  if (varies) {
+    const TextureRead& read = mesh.factors->diffuse_transmission;
+    part_through =
+        clamp_unit_lanes(eval_texture_at(scene, mesh, read.texture, read.uv, read.density, p).a) *
+        scatter.diffuse_transmission;
+    if (scatter.reflects_the_rest) rest = 1.0f - part_through;
+  }
   for (int b = 0; b < scene.bands; ++b) {
     const float* row = scatter.reflectance + 4 * b;
     F reflected = of(row, base) + row[3];
+    if (varies) reflected = reflected * rest;
     if (scatter.extra != nullptr) reflected = reflected + of(scatter.extra + 3 * b, extra);
     reflected = clamp_unit_lanes(reflected);
     F transmitted = broadcast<F>(0.0f);
     if (scatter.transmittance != nullptr) {
       const float* of_sheet = scatter.transmittance + 4 * b;
-      transmitted = clamp_unit_lanes(of(of_sheet, through) + of_sheet[3]);
+      transmitted = of(of_sheet, through) + of_sheet[3];
+      if (varies) transmitted = transmitted * part_through;
+      transmitted = clamp_unit_lanes(transmitted);
       // No sheet gives back more than it gets, whatever its textures say.
       const F sum = reflected + transmitted, scale = sum > 1.0f ? 1.0f / sum : broadcast<F>(1.0f);
       reflected *= scale;
@@ -216,17 +165,18 @@ OMMA_HD_CALLED void eval_lit_surfaces(const SceneView& scene, const Packet<L>& p
     const auto facing = load_vector<F>(geometry.normal, l);
     const auto direction = load_vector<F>(packet.rays.direction, l);
     const Vector3<F> geometric = select(dot(facing, direction) > 0.0f, opposite(facing), facing);
-    Vector3<F> normal = geometric;
-    if (mesh.normals != nullptr || mesh.normal_uv != nullptr) {
+    ShadingNormals<F> normals{geometric, geometric};
+    if (mesh.normals != nullptr || mesh.normal_uv != nullptr || mesh.factors != nullptr) {
       F m[3][4];
       load_frames(scene, hits, l, is_member, m);
-      normal = eval_shading_normal(scene, mesh, m, p, geometric);
+      normals = eval_shading_normals(scene, mesh, m, p, geometric);
     }
     const auto set_vector = [&](float(&values)[3][L::count], const Vector3<F>& value) {
       store_vector(values, l, select(is_member, value, load_vector<F>(values, l)));
     };
-    set_vector(surface.normal, normal);
+    set_vector(surface.normal, normals.below);
     set_vector(surface.geometric, geometric);
+    if (scene.coat_albedo != nullptr) set_vector(surface.coat_normal, normals.coat);
 
     F roughness = broadcast<F>(scatter.roughness), metallic = broadcast<F>(scatter.metallic);
     if (mesh.roughness_uv != nullptr) {
@@ -269,6 +219,9 @@ OMMA_HD ScatterSurface<typename L::F> scatter_surface(const SceneView& scene,
   s.direction = load_vector<F>(rays.direction, l);
   s.geometric_normal = keep(is_met, load_vector<F>(surface.geometric, l));
   s.normal = keep(is_met, load_vector<F>(surface.normal, l));
+  s.coat_normal = s.normal;
+  if (scene.coat_albedo != nullptr)
+    s.coat_normal = keep(is_met, load_vector<F>(surface.coat_normal, l));
   s.roughness = met(surface.roughness);
   s.metallic = met(surface.metallic);
   s.specular = met(surface.specular);

@@ -13,7 +13,7 @@
 // the coupling of Kelemen and Szirmay-Kalos 2001 (A Microfacet Based Coupled Specular-Matte BRDF
 // Model): of uniform light the base returns rho (1 - E(o)). So whatever E is, all together is
 // E(o) + (rho + tau) (1 - E(o)). A coat dims what is below it by 1 - E of its own on both ways, and
-// keeps the rest. Light from the base counts as unpolarised, though on its way out through a smooth
+// keeps the rest; its normal may be another than theirs. Light from the base counts as unpolarised, though on its way out through a smooth
 // boundary of ior 1.5 it is polarised by 0.04 at 45 deg.
 //
 // Light that facets pass to each other before it leaves: of a dielectric it counts to the base. A
@@ -50,6 +50,7 @@ struct ScatterSurface {
   Vector3<F> direction;         // of the ray, towards the surface
   Vector3<F> geometric_normal;  // of the triangle, towards the viewer
   Vector3<F> normal;            // what light is shaded by, on the same side of the triangle
+  Vector3<F> coat_normal;       // the same of the coat
   F roughness, metallic, specular, transmission, ior;
   F coat, coat_roughness;
   const float* albedo_tables;   // [table][albedo_floats], make_specular_albedo of its ior
@@ -70,9 +71,13 @@ template <typename F>
 struct ScatterPoint {
   Vector3<F> tangent, bitangent, normal, geometric_normal, direction;
   // By which the base is lit: the surface's own, not bent towards the viewer, so that what falls on
-  // it is the same whoever looks.
-  Vector3<F> base_normal;
+  // it is the same whoever looks. Likewise the coat's, through which that light comes.
+  Vector3<F> base_normal, coat_base_normal;
   LocalDirection<F> o;  // towards the viewer, in the frame of tangent, bitangent, normal
+  // The coat's frame, and the viewer in it; anything where nothing has a coat.
+  Vector3<F> coat_normal;
+  Axes<F> coat_axes;
+  LocalDirection<F> coat_o;
   F ior, specular, coat;
   RoughBoundary<F> boundary, coat_boundary;
   const float* albedo_tables;
@@ -112,11 +117,13 @@ OMMA_HD Vector3<F> bend_normal(const Vector3<F>& normal, const Vector3<F>& direc
   return bent * (1.0f / sqrt_lanes(dot(bent, bent)));
 }
 
+// A direction by its components along axes and the normal that they are about.
 template <typename F>
-OMMA_HD LocalDirection<F> to_local(const ScatterPoint<F>& p, const Vector3<F>& w) {
-  return {dot(p.tangent, w), dot(p.bitangent, w), dot(p.normal, w)};
+OMMA_HD LocalDirection<F> to_local(const Axes<F>& axes, const Vector3<F>& normal,
+                                   const Vector3<F>& w) {
+  return {dot(axes.tangent, w), dot(axes.bitangent, w), dot(normal, w)};
 }
-// And back, about a normal.
+// And back.
 template <typename F>
 OMMA_HD Vector3<F> from_local(const Axes<F>& axes, const Vector3<F>& normal,
                               const LocalDirection<F>& d) {
@@ -140,7 +147,7 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   const Axes<F> axes = make_axes(p.normal);
   p.tangent = axes.tangent;
   p.bitangent = axes.bitangent;
-  const LocalDirection<F> away = to_local(p, s.direction);
+  const LocalDirection<F> away = to_local(axes, p.normal, s.direction);
   p.o = {-away.x, -away.y, -away.z};
   p.ior = s.ior;
   p.specular = s.specular;
@@ -155,8 +162,13 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   p.coat_table = s.coat_table;
   p.coat_albedo = broadcast<F>(0.0f);
   if (s.coat_table != nullptr) {
-    p.coat_boundary = make_boundary(s.coat_roughness, p.o.z, s.table * 0);
-    p.coat_albedo = s.coat * eval_albedo(s.coat_table, p.coat_boundary.row, p.o.z);
+    p.coat_base_normal = s.coat_normal;
+    p.coat_normal = bend_normal(s.coat_normal, s.direction);
+    p.coat_axes = make_axes(p.coat_normal);
+    const LocalDirection<F> from_viewer = to_local(p.coat_axes, p.coat_normal, s.direction);
+    p.coat_o = {-from_viewer.x, -from_viewer.y, -from_viewer.z};
+    p.coat_boundary = make_boundary(s.coat_roughness, p.coat_o.z, s.table * 0);
+    p.coat_albedo = s.coat * eval_albedo(s.coat_table, p.coat_boundary.row, p.coat_o.z);
   }
   const F below_coat = one - p.coat_albedo;
   p.metal = s.metallic * below_coat;
@@ -177,14 +189,23 @@ OMMA_HD ScatterPoint<F> make_scatter_point(const ScatterSurface<F>& s) {
   return p;
 }
 
-// What the boundary and the coat let in to the base of light from a direction, over what they let
-// in of uniform light.
+// The size of a cosine that rounding may have brought over 1.
 template <typename F>
-OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
+OMMA_HD F size_of_cosine(F x) {
+  const F size = x < 0.0f ? -x : x;
+  return size < 1.0f ? size : broadcast<F>(1.0f);
+}
+
+// What the boundary and the coat let in to the base of light from a direction w, at cos_w to the
+// base's normal, over what they let in of uniform light.
+template <typename F>
+OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w, const Vector3<F>& w) {
   F entering =
       p.coupling * (1.0f - p.specular * eval_albedo(p.albedo_tables, p.boundary.row, cos_w));
   if (p.coat_table != nullptr)
-    entering = entering * (1.0f - p.coat * eval_albedo(p.coat_table, p.coat_boundary.row, cos_w));
+    entering = entering *
+               (1.0f - p.coat * eval_albedo(p.coat_table, p.coat_boundary.row,
+                                            size_of_cosine(dot(p.coat_base_normal, w))));
   return entering;
 }
 
@@ -192,15 +213,11 @@ OMMA_HD F eval_entering(const ScatterPoint<F>& p, F cos_w) {
 // triangle and the normal of the lobe by reflection, from the far side of both through the sheet.
 template <typename F>
 OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const Vector3<F>& w) {
-  const LocalDirection<F> local = to_local(p, w);
+  const LocalDirection<F> local = to_local({p.tangent, p.bitangent}, p.normal, w);
   const F side = dot(p.geometric_normal, w), cosine = local.z;
   const F on_base = dot(p.base_normal, w);
   const auto reflects = cosine > 0.0f && side > 0.0f;
-  const auto below_1 = [](F x) {
-    const F size = x < 0.0f ? -x : x;
-    return size < 1.0f ? size : broadcast<F>(1.0f);
-  };
-  const F cos_w = below_1(cosine), cos_base = below_1(on_base);
+  const F cos_w = size_of_cosine(cosine), cos_base = size_of_cosine(on_base);
 
   ScatterValue<F> value;
   value.cosine = on_base;
@@ -213,15 +230,18 @@ OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const Vector3<F>&
   value.coat_pdf = F{};
   if (p.coat_table != nullptr) {
     const RoughBoundary<F>& coat = p.coat_boundary;
-    const HalfVector<F> coat_half = half_vector(p.o, local, coat.alpha);
+    const LocalDirection<F> on_coat = to_local(p.coat_axes, p.coat_normal, w);
+    const F cos_coat = size_of_cosine(on_coat.z);
+    const HalfVector<F> coat_half = half_vector(p.coat_o, on_coat, coat.alpha);
     const F of_coat =
-        p.coat * eval_microfacet(coat_half.density, p.o.z, coat.root_o, cos_w, coat.alpha);
-    value.coat = mueller_of(fresnel_dielectric(half.cosine, broadcast<F>(coat_ior))) *
-                 keep(reflects, of_coat);
-    value.coat_pdf = keep(cosine > 0.0f, microfacet_pdf(coat_half.density, p.o.z, coat.root_o));
-    below_coat = 1.0f - p.coat * eval_albedo(p.coat_table, coat.row, cos_w);
+        p.coat * eval_microfacet(coat_half.density, p.coat_o.z, coat.root_o, cos_coat, coat.alpha);
+    value.coat = mueller_of(fresnel_dielectric(coat_half.cosine, broadcast<F>(coat_ior))) *
+                 keep(on_coat.z > 0.0f && side > 0.0f, of_coat);
+    value.coat_pdf =
+        keep(on_coat.z > 0.0f, microfacet_pdf(coat_half.density, p.coat_o.z, coat.root_o));
+    below_coat = 1.0f - p.coat * eval_albedo(p.coat_table, coat.row, cos_coat);
   }
-  const F diffuse = p.diffuse * inverse_pi * eval_entering(p, cos_base) * cos_base;
+  const F diffuse = p.diffuse * inverse_pi * eval_entering(p, cos_base, w) * cos_base;
   value.diffuse_reflection = keep(on_base > 0.0f && side > 0.0f, diffuse);
   value.diffuse_transmission = keep(on_base < 0.0f && side < 0.0f, diffuse);
   const F of_mirrors = keep(reflects, below_coat * mirrored);
@@ -254,15 +274,17 @@ OMMA_HD Vector3<F> sample_scatter(I lobe, const ScatterPoint<F>& p, F u0, F u1) 
   LocalDirection<F> diffuse = sample_cosine(u0, u1), local = diffuse;
   diffuse.z = is(Lobe::diffuse_transmission) ? -diffuse.z : diffuse.z;
   const auto is_diffuse = is(Lobe::diffuse_reflection) || is(Lobe::diffuse_transmission);
-  const auto take = [&](const auto& those, const LocalDirection<F>& d) {
-    local.x = those ? d.x : local.x;
-    local.y = those ? d.y : local.y;
-    local.z = those ? d.z : local.z;
-  };
-  if (any_lane(is_boundary)) take(is_boundary, sample_microfacet(p.o, p.boundary.alpha, u0, u1));
-  if (p.coat_table != nullptr)
-    take(is(Lobe::coat), sample_microfacet(p.o, p.coat_boundary.alpha, u0, u1));
-  const Vector3<F> mirrored = from_local({p.tangent, p.bitangent}, p.normal, local);
+  if (any_lane(is_boundary)) {
+    const LocalDirection<F> d = sample_microfacet(p.o, p.boundary.alpha, u0, u1);
+    local.x = is_boundary ? d.x : local.x;
+    local.y = is_boundary ? d.y : local.y;
+    local.z = is_boundary ? d.z : local.z;
+  }
+  Vector3<F> mirrored = from_local({p.tangent, p.bitangent}, p.normal, local);
+  if (p.coat_table != nullptr) {
+    const LocalDirection<F> d = sample_microfacet(p.coat_o, p.coat_boundary.alpha, u0, u1);
+    mirrored = select(is(Lobe::coat), from_local(p.coat_axes, p.coat_normal, d), mirrored);
+  }
   const Vector3<F> scattered = from_local(make_axes(p.base_normal), p.base_normal, diffuse);
   return select(is(Lobe::straight), p.direction, select(is_diffuse, scattered, mirrored));
 }

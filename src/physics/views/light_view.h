@@ -83,12 +83,22 @@ struct AimView {
   float brightest = 0;        // bound on its mean radiance, of the brightest band
 };
 
+// omma::CloudShadow, as places are given to lamps.
+struct CloudShadowView {
+  const float* optical_depth = nullptr;  // [row][column]; null: none
+  std::int32_t columns = 0, rows = 0;
+  float height_m = 0;
+  float per_m = 0;                        // nodes
+  float first_column = 0, first_row = 0;  // of the origin
+};
+
 struct LightView {
   std::int32_t bands = 0;
   SkyView sky;
   const float* extinction_per_m = nullptr;  // [band], of the air (path/air.h); null: it is clear
   const DiscView* discs = nullptr;
   std::int32_t disc_count = 0;
+  CloudShadowView clouds;  // cloud_shadow.h
 
   const LampView* lamps = nullptr;
   const float* lamp_sum = nullptr;  // [lamp + 1], cumulative probabilities

@@ -42,7 +42,11 @@ struct MaterialView {
 struct ScatterView {
   float metallic = 0, roughness = 1, normal_scale = 1;
   float ior = 1.5f, specular = 1, transmission = 0;
-  float clearcoat = 0, clearcoat_roughness = 0;
+  float clearcoat = 0, clearcoat_roughness = 0, coat_normal_scale = 1;
+  // Where a texture has factors of it: the fraction that goes through diffusely, which `transmittance`
+  // leaves out then, and whether `reflectance` is of what does not.
+  float diffuse_transmission = 0;
+  bool reflects_the_rest = false;
   Vec3 transmission_color{1, 1, 1};  // of diffuse transmission
   // Index into SceneView::textures, -1 for none.
   std::int32_t roughness_texture = -1, normal_texture = -1, transmission_texture = -1,
@@ -72,7 +76,9 @@ struct FactorTextures {
   TextureRead transmission;    // straight through; red
   TextureRead coat;            // red
   TextureRead coat_roughness;  // green
+  TextureRead coat_normal;     // red, green and blue
   TextureRead specular_color;  // all, through ScatterView::tint_from_rgb
+  TextureRead diffuse_transmission;  // alpha
 };
 
 struct MeshView {
