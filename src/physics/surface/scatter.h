@@ -113,8 +113,7 @@ template <typename F>
 OMMA_HD Vector3<F> bend_normal(const Vector3<F>& normal, const Vector3<F>& direction) {
   const F lacking = least_cosine + dot(normal, direction);
   const F bend = lacking > 0.0f ? lacking : broadcast<F>(0.0f);
-  const Vector3<F> bent = normal - direction * bend;
-  return bent * (1.0f / sqrt_lanes(dot(bent, bent)));
+  return normalize(normal - direction * bend);  // zero where there is neither
 }
 
 // A direction by its components along axes and the normal that they are about.
