@@ -29,7 +29,6 @@ MOVED = {
     "sky": "light#the-clear-sky",
     "spectra-in-files": "materials#in-scene-files",
     "stimuli": "scenes#stimuli",
-    "systems": "install#on-which-systems",
     "time": "motion-and-time#frames-that-last",
     "written-files": "datasets#files-that-are-written",
 }

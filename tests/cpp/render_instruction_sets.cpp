@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "backend/embree/embree_backend.h"
-#include "backend/embree/embree_builds.h"
 #include "backend/eye_arrays.h"
+#include "backend/portable/portable_backend.h"
+#include "backend/portable/portable_builds.h"
 #include "backend/processor.h"
 #include "backend/shading_data.h"
 #include "lit_squares.h"
@@ -18,6 +18,10 @@
 #include "threads/thread_memory.h"
 #include "world/world_state.h"
 #include "world_tests.h"
+#if defined(OMMA_HAS_EMBREE)
+#include "backend/embree/embree_backend.h"
+#include "backend/embree/embree_builds.h"
+#endif
 
 namespace omma::test {
 namespace {
@@ -27,18 +31,32 @@ struct NamedBuild {
   BlockFunctions block;
 };
 
-std::vector<NamedBuild> runnable_builds() {
-  std::vector<NamedBuild> builds = {{"baseline", baseline::embree_block()},
-                                    {"plain", plain::embree_block()}};
+// A search, and the builds of the hot loop with it that this processor runs.
+struct NamedSearch {
+  Backend backend;
+  std::vector<NamedBuild> builds;
+};
+
+std::vector<NamedSearch> searches() {
+  std::vector<NamedSearch> all;
+  all.push_back({portable_backend(),
+                 {{"baseline", baseline::portable_block()}, {"plain", plain::portable_block()}}});
 #if defined(__x86_64__)
-  if (has_avx2()) builds.push_back({"avx2", avx2::embree_block()});
-  if (has_avx512()) builds.push_back({"avx512", avx512::embree_block()});
+  if (has_avx2()) all[0].builds.push_back({"avx2", avx2::portable_block()});
+  if (has_avx512()) all[0].builds.push_back({"avx512", avx512::portable_block()});
 #endif
-  return builds;
+#if defined(OMMA_HAS_EMBREE)
+  all.push_back({embree_backend(),
+                 {{"baseline", baseline::embree_block()}, {"plain", plain::embree_block()}}});
+#if defined(__x86_64__)
+  if (has_avx2()) all[1].builds.push_back({"avx2", avx2::embree_block()});
+  if (has_avx512()) all[1].builds.push_back({"avx512", avx512::embree_block()});
+#endif
+#endif
+  return all;
 }
 
-TEST(InstructionSets, GiveTheSameBits) {
-  const std::vector<NamedBuild> builds = runnable_builds();
+void expect_the_same_bits(const NamedSearch& search) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
     Scene scene = random_scene(seed);
     // Texels far finer than footprints of 1.5 degrees, so that levels are read.
@@ -55,14 +73,14 @@ TEST(InstructionSets, GiveTheSameBits) {
     SceneView view = shading->view;
     view.background = background.view;
     const Acceleration acceleration =
-        embree_backend().build(scene, shading->view, placement_of(scene), {}, nullptr);
+        search.backend.build(scene, shading->view, placement_of(scene), {}, nullptr);
     const DirectionTables directions = make_direction_tables(eye, {}, samples);
     const EyeArrays arrays = make_eye_arrays(eye, directions);
     const DirectionsView directions_view = omma::view(directions);
     const EyeView eye_view = omma::view(arrays);
     const FrameView frame{&view, &eye_view, &directions_view};
     std::vector<std::vector<float>> responses;
-    for (const NamedBuild& build : builds) {
+    for (const NamedBuild& build : search.builds) {
       responses.emplace_back(eye.size() * rgb_bands, -1.0f);
       BlockTask task;
       for (int i = 0; i < 3; ++i) task.world_from_head[i][i] = 1;
@@ -70,13 +88,18 @@ TEST(InstructionSets, GiveTheSameBits) {
       task.responses = responses.back().data();
       build.block.render(frame, task, acceleration.tracer.get(),
                          thread_memory(block_memory_bytes(frame)));
-      EXPECT_EQ(responses.back(), responses.front()) << build.name << ", scene " << seed;
+      EXPECT_EQ(responses.back(), responses.front())
+          << search.backend.name << ", " << build.name << ", scene " << seed;
     }
   }
 }
 
+TEST(InstructionSets, GiveTheSameBits) {
+  for (const NamedSearch& search : searches()) expect_the_same_bits(search);
+}
+
 // One frame of a lit world, by every build.
-void expect_the_same_bits(const World& world, const std::string& what) {
+void expect_the_same_bits(const NamedSearch& search, const World& world, const std::string& what) {
   const Eye eye = make_eye(sphere_directions(300), 20 * degree);
   const DirectionTables directions = make_direction_tables(eye, {}, 21);
   const EyeArrays arrays = make_eye_arrays(eye, directions);
@@ -87,7 +110,7 @@ void expect_the_same_bits(const World& world, const std::string& what) {
   frame.outputs = world.bands() * (is_polarized ? 3 : 1);
   const auto outputs = static_cast<std::size_t>(frame.outputs);
   std::vector<std::vector<float>> responses;
-  for (const NamedBuild& build : runnable_builds()) {
+  for (const NamedBuild& build : search.builds) {
     responses.emplace_back(eye.size() * outputs, -1.0f);
     for (int first = 0; first < static_cast<int>(eye.size()); first += 25) {
       BlockTask task;
@@ -99,29 +122,31 @@ void expect_the_same_bits(const World& world, const std::string& what) {
                          thread_memory(block_memory_bytes(frame)));
     }
     for (const float x : responses.back()) ASSERT_TRUE(std::isfinite(x));
-    EXPECT_EQ(responses.back(), responses.front()) << build.name << ", " << what;
+    EXPECT_EQ(responses.back(), responses.front())
+        << search.backend.name << ", " << build.name << ", " << what;
   }
 }
 
 TEST(InstructionSets, GiveTheSameBitsInLitWorlds) {
-  for (const int components : {1, 3})
-    for (const int depth : {0, 1, 2}) {
-      WorldSettings settings;
-      settings.backend = "embree";
-      Lighting lighting = lighting_of(components);
-      lighting.depth = depth;
-      settings.lighting = lighting;
-      const World by_paths = make_world(squares(), settings);
-      const std::string what = std::to_string(components) + " components, ";
-      expect_the_same_bits(by_paths, what + "depth " + std::to_string(depth));
-      if (depth != 0) continue;
-      lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths, {.paths = 16}));
-      expect_the_same_bits(by_paths.with_lighting(lighting), what + "baked");
-    }
+  for (const NamedSearch& search : searches())
+    for (const int components : {1, 3})
+      for (const int depth : {0, 1, 2}) {
+        WorldSettings settings;
+        settings.backend = search.backend.name;
+        Lighting lighting = lighting_of(components);
+        lighting.depth = depth;
+        settings.lighting = lighting;
+        const World by_paths = make_world(squares(), settings);
+        const std::string what = std::to_string(components) + " components, ";
+        expect_the_same_bits(search, by_paths, what + "depth " + std::to_string(depth));
+        if (depth != 0) continue;
+        lighting.baked = std::make_shared<const BakedLight>(bake_light(by_paths, {.paths = 16}));
+        expect_the_same_bits(search, by_paths.with_lighting(lighting), what + "baked");
+      }
 }
 
 TEST(InstructionSets, WeighSharedRaysAlike) {
-  const std::vector<NamedBuild> builds = runnable_builds();
+  const std::vector<NamedBuild> builds = searches()[0].builds;
   const Eye eye = make_eye(sphere_directions(150), 25 * degree);
   const SharedRays shared = make_shared_rays(eye, make_direction_tables(eye, {}, 5), 0);
   Random random{8};

@@ -187,15 +187,21 @@ OMMA_HD Floats gather(const float* base, Ints i) {
 OMMA_HD Ints gather(const std::int32_t* base, Ints i) {
   return Ints{base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
 }
-OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
-  const auto pair = [&](int lane) {
+// The first two of `stride` neighbours: both in one load.
+template <int stride>
+OMMA_HD Pair<Ints> gather_two_of(const void* base, Ints i) {
+  const auto two = [&](int lane) {
     std::int64_t bits;
-    memcpy(&bits, static_cast<const char*>(base) + 8 * static_cast<std::ptrdiff_t>(i[lane]), 8);
+    memcpy(&bits, static_cast<const char*>(base) + 4 * stride * static_cast<std::ptrdiff_t>(i[lane]),
+           sizeof bits);
     return bits;
   };
   using Wide = std::int64_t __attribute__((vector_size(16)));
-  const Ints a = (Ints)Wide{pair(0), pair(1)}, b = (Ints)Wide{pair(2), pair(3)};
+  const Ints a = (Ints)Wide{two(0), two(1)}, b = (Ints)Wide{two(2), two(3)};
   return every_second(a, b, std::make_integer_sequence<int, lane_width>{});
+}
+OMMA_HD Pair<Ints> gather_pairs_of_bits(const void* base, Ints i) {
+  return gather_two_of<2>(base, i);
 }
 #endif
 OMMA_HD Ints gather_bytes(const std::uint8_t* base, Ints i) {
@@ -266,7 +272,10 @@ OMMA_HD void gather_3(const float* base, Ints index, Floats (&out)[3]) {
   out[1] = mix_quads(xy_even, xy_odd, true, sequence);
   out[2] = mix_quads(z_even, z_odd, false, sequence);
 #else
-  for (int k = 0; k < 3; ++k) out[k] = gather(base + k, index * 3);
+  const Pair<Ints> two = gather_two_of<3>(base, index);
+  out[0] = float_of(two.first);
+  out[1] = float_of(two.second);
+  out[2] = gather(base + 2, index * 3);
 #endif
 }
 OMMA_HD void gather_3(const std::int32_t* base, Ints index, Ints (&out)[3]) {

@@ -38,10 +38,26 @@ inline constexpr int child_lanes = 4;
 using ChildFloats = float __attribute__((vector_size(16)));
 using ChildInts = std::int32_t __attribute__((vector_size(16)));
 OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
+#if defined(__SSE2__)
+  int four;
+  memcpy(&four, bytes, sizeof four);
+  const __m128i zero = _mm_setzero_si128();
+  const __m128i shorts = _mm_unpacklo_epi8(_mm_cvtsi32_si128(four), zero);
+  return (ChildFloats)_mm_cvtepi32_ps(_mm_unpacklo_epi16(shorts, zero));
+#elif defined(__ARM_NEON)
+  std::uint32_t four;
+  memcpy(&four, bytes, sizeof four);
+  const uint16x8_t shorts = vmovl_u8(vreinterpret_u8_u32(vdup_n_u32(four)));
+  return (ChildFloats)vcvtq_f32_u32(vmovl_u16(vget_low_u16(shorts)));
+#elif defined(__wasm_simd128__)
+  const v128_t shorts = wasm_u16x8_extend_low_u8x16(wasm_v128_load32_zero(bytes));
+  return (ChildFloats)wasm_f32x4_convert_i32x4(wasm_u32x4_extend_low_u16x8(shorts));
+#else
   return __builtin_convertvector((ChildInts{bytes[0], bytes[1], bytes[2], bytes[3]}), ChildFloats);
+#endif
 }
 OMMA_HD unsigned child_bits(ChildInts mask) {
-  return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+  return lane_bits(mask);
 }
 #endif
 #endif
