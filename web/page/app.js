@@ -20,6 +20,7 @@ export class App {
     this.seen = null; // { responses, errors, labels, rays, milliseconds, pose }
     this.times = []; // of the last frames, for frames/s
     this.frames = 0;
+    this.settled = {}; // of the state, what the engine is set to
   }
 
   async start(kinds) {
@@ -78,10 +79,10 @@ export class App {
       }
       try {
         if (wanted.scene) await this.#loadScene(wanted.scene);
-        if (wanted.eye) await this.#loadEye(wanted.eye);
+        const isNew = wanted.eye && await this.#loadEye(wanted.eye);
         if (!this.scene || !this.eye) continue;
-        if (wanted.settings) await this.#settle();
-        if (wanted.picture) await this.#project();
+        if (wanted.settings || isNew) await this.#settle();
+        if (wanted.picture || isNew) await this.#project();
         await this.#render();
       } catch (error) {
         this.show.trouble(error.message);
@@ -105,17 +106,15 @@ export class App {
 
   async #loadEye(thing) {
     const info = await this.#load('eye', thing, { metresPerUnit: 0.001 });
-    if (!info) return;
+    if (!info) return false;
     this.eye = { thing, ...info };
     this.state.eye = thing.name;
     if (this.state.picked >= info.ommatidia) this.state.picked = -1;
     if (isReceptors(this.state.shown) && !this.#hasShown()) this.state.shown = 'colours';
+    this.settled = { ...this.settled, widths: 1, shown: 'colours' };
     this.#took(info.renderer);
     this.show.eye(this);
-    if (this.scene) {
-      await this.#settle();
-      await this.#project();
-    }
+    return true;
   }
 
   async #load(kind, thing, more = {}) {
@@ -142,9 +141,18 @@ export class App {
   async #settle() {
     const { rays, seed, widths, shown } = this.state;
     const wanted = { rays, seed, widths, receptors: isReceptors(shown) };
-    const { renderer, axes, acceptance } = await this.engine.ask('settings', wanted);
-    Object.assign(this.eye, { axes, acceptance });
-    this.#took(renderer);
+    try {
+      const { renderer, axes, acceptance } = await this.engine.ask('settings', wanted);
+      Object.assign(this.eye, { axes, acceptance });
+      this.#took(renderer);
+      this.settled = { rays, seed, widths, shown };
+    } catch (error) {
+      if (error instanceof Died) throw error;
+      // Not all that can be chosen can be had of every eye.
+      Object.assign(this.state, this.settled);
+      this.show.trouble(error.message);
+      this.show.eye(this);
+    }
   }
 
   #took(renderer) {
@@ -203,6 +211,5 @@ export class App {
 /** Where the head is at first: at the first camera, or else in the middle of the scene. */
 export function placeIn({ cameras, bounds_m: bounds }) {
   if (cameras.length) return poseFrom(cameras[0].world_from_camera);
-  const middle = [0, 1, 2].map((k) => (bounds[k] + bounds[3 + k]) / 2);
-  return poseAt(...(middle.every(Number.isFinite) ? middle : [0, 0, 0]));
+  return bounds ? poseAt(...[0, 1, 2].map((k) => (bounds[k] + bounds[3 + k]) / 2)) : poseAt(0, 0, 0);
 }

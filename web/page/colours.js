@@ -42,13 +42,19 @@ export function whiteOf(responses, width, bands, automatic) {
   const number = responses.length / width;
   const stride = Math.max(1, Math.floor(number / 2000));
   const some = [];
-  for (let i = 0; i < number; i += stride) for (const k of bands) some.push(responses[i * width + k]);
+  for (let i = 0; i < number; i += stride) {
+    for (const k of bands) {
+      const value = responses[i * width + k];
+      if (!Number.isNaN(value)) some.push(value);
+    }
+  }
   some.sort((a, b) => a - b);
   const white = some[Math.min(some.length - 1, Math.floor(WHITE_SHARE * some.length))];
   return white > 0 ? white : 1;
 }
 
-/** A colour of the canvas for each ommatidium, and a clear one at the end for what none sees. */
+/** A colour of the canvas for each ommatidium, and a clear one at the end for what none sees; clear
+ * too where an ommatidium has no such receptor. */
 export function coloursOf(responses, width, bands, gain, palette) {
   const number = responses.length / width;
   const colours = new Uint32Array(number + 1);
@@ -56,6 +62,7 @@ export function coloursOf(responses, width, bands, gain, palette) {
   const isFalse = palette === 'false colours' && r === g && g === b;
   for (let i = 0; i < number; i += 1) {
     const at = i * width;
+    if (Number.isNaN(responses[at + r])) continue; // it has no such receptor
     if (isFalse) {
       const [x, y, z] = falseColour(gain * responses[at + r]);
       colours[i] = OPAQUE | (z << 16) | (y << 8) | x;

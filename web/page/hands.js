@@ -128,7 +128,8 @@ export class Hands {
 
   #key(event) {
     if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (this.flying && WAYS[event.code]) {
+    const ofSlider = event.target.type === 'range' && event.code.startsWith('Arrow');
+    if (WAYS[event.code] && !ofSlider) {
       event.preventDefault();
       this.held.add(event.code);
       this.#move();

@@ -8,6 +8,7 @@ import { csvOf, numbersHtml } from './numbers.js';
 import { Panel, words } from './panel.js';
 import { poseFrom, moved, turned, pose as poseAt } from './pose.js';
 import { EyePicture } from './eye_picture.js';
+import { SceneView, sizeOf } from './scene_view.js';
 import { enginesHere, slower, webgl } from './support.js';
 import { explain, note, say, download, trouble } from './telling.js';
 
@@ -49,10 +50,9 @@ const shown = {
   scene(app, info) {
     panel?.show(app);
     if (!info) return;
-    const size = Math.hypot(...[0, 1, 2].map((k) => info.bounds_m[3 + k] - info.bounds_m[k]));
-    speed = Number.isFinite(size) ? Math.min(Math.max(0.2 * size, 1e-4), 1) : 1;
+    speed = Math.min(Math.max(0.2 * sizeOf(info.bounds_m), 1e-4), 1);
     remark('scene', info.warnings.join(' '));
-    remark('drawn', view ? view.show({ ...info }) : '');
+    remark('drawn', view ? view.show(info) : '');
     view?.lookAt(app.state.pose);
   },
   eye(app) { panel?.show(app); },
@@ -211,7 +211,7 @@ function listen() {
     resizing = setTimeout(() => app.eye && app.want({ picture: true }), 150);
   }).observe($('eye').parentElement);
   addEventListener('hashchange', () => open(stateOf(location.hash)));
-  $('whole').addEventListener('pointerdown', () => { $('whole').href = `./#${linkOf(app.state)}`; });
+  $('whole').addEventListener('pointerdown', () => { $('whole').href = `./index.html#${linkOf(app.state)}`; });
   const rows = [...data.keys.map((one) => [one.shown, one.says]), ...MORE_KEYS];
   const cells = rows.flatMap((row) => row.map((text, k) => {
     const cell = document.createElement(k ? 'dd' : 'dt');
@@ -231,7 +231,6 @@ async function viewOfScene() {
     import('./three/build/three.module.js'),
     import('./three/examples/jsm/controls/OrbitControls.js'),
   ]);
-  const { SceneView } = await import('./scene_view.js');
   const drag = (x, y, z) => {
     const { yaw, pitch, roll } = app.state.pose;
     app.go(poseAt(x, y, z, yaw, pitch, roll));

@@ -8,17 +8,15 @@ export function directionOf(axes, index) {
   return [Math.atan2(x, -z) * DEGREES, Math.asin(Math.max(-1, Math.min(1, y))) * DEGREES];
 }
 
-/** The number of the eye that an ommatidium belongs to. */
+/** The number of the eye that an ommatidium belongs to; eyes: runs of ommatidia of one eye. */
 export function eyeOf(eyes, index) {
-  return Math.max(0, eyes.findIndex(({ first, count }) => index >= first && index < first + count));
+  return eyes.find(({ first, count }) => index >= first && index < first + count)?.name ?? '0';
 }
 
 /** What is known of one ommatidium, as HTML. seen: { responses, errors, labels, rays }. */
 export function numbersHtml(eye, index, seen) {
   const [azimuth, elevation] = directionOf(eye.axes, index);
   const acceptance = eye.acceptance[index] * DEGREES;
-  const of = eyeOf(eye.eyes, index);
-  const named = eye.eyes[of]?.name;
   const width = seen.labels.length;
   const row = (label, k) => {
     const at = index * width + k;
@@ -28,7 +26,7 @@ export function numbersHtml(eye, index, seen) {
     return `<tr><th>${escaped(label)}</th><td class="response">${Number(value.toPrecision(7))}</td><td>${error}</td></tr>`;
   };
   const rays = seen.errors ? `8 × ${seen.rays} rays` : `${seen.rays} rays`;
-  return `<h2>Ommatidium ${index}</h2> eye ${of}${named ? ` (${escaped(named)})` : ''} · azimuth `
+  return `<h2>Ommatidium ${index}</h2> eye ${escaped(eyeOf(eye.eyes, index))} · azimuth `
     + `${azimuth.toFixed(2)}° · elevation ${elevation.toFixed(2)}° · Δρ ${acceptance.toFixed(2)}°`
     + `<table><tr><th></th><th>response, relative</th><th>${seen.errors ? 'standard error, ' : ''}${rays}</th></tr>`
     + `${seen.labels.map(row).join('')}</table>`;

@@ -7,6 +7,12 @@ export const MOST_TRIANGLES = 1500000; // what a browser draws without effort
 const HEAD = 0xffdc00;
 const GRAB_PIXELS = 26;
 
+/** The diagonal of a scene, m; 10 of one that has nothing in it. */
+export function sizeOf(bounds) {
+  const size = bounds ? Math.hypot(...[0, 1, 2].map((k) => bounds[3 + k] - bounds[k])) : 0;
+  return size > 0 ? size : 10;
+}
+
 export class SceneView {
   /** three, OrbitControls: of three.js; context: the canvas's WebGL; onDrag(x, y, z): the head is
    * dragged there. */
@@ -51,8 +57,8 @@ export class SceneView {
       this.parts.add(meshOf(this.three, part, images.get(part.image)));
     }
     this.scene.add(this.parts);
-    this.scene.background = new this.three.Color(...(background ?? [0.35, 0.45, 0.55]));
-    const size = Math.hypot(...[0, 1, 2].map((k) => bounds[3 + k] - bounds[k])) || 1;
+    this.scene.background = new this.three.Color(...background).convertLinearToGamma(2.2);
+    const size = sizeOf(bounds);
     this.camera.near = 1e-4 * size;
     this.camera.far = 4 * size;
     this.camera.updateProjectionMatrix();

@@ -34,7 +34,7 @@ const requests = {
       const drawn = drawnOf(found);
       [renderer, world, scene].forEach(free);
       [renderer, world, scene] = [ready, made, found];
-      return { ...info, drawn, renderer: renderer?.info() };
+      return { ...info, drawn, renderer: infoOf() };
     } catch (error) {
       [ready, made, found].forEach(free);
       throw error;
@@ -47,12 +47,13 @@ const requests = {
     let ready = null;
     try {
       const info = found.info();
-      scaled = found.scaled(settings.widths);
-      const wanted = { ...settings, receptors: settings.receptors && info.receptors.length > 0 };
+      // Not every eye can be scaled or has receptors: another one is first shown as it is.
+      const wanted = { ...settings, widths: 1, receptors: false };
+      scaled = found.scaled(1);
       ready = world ? rendererOf(world, scaled, wanted) : null;
       [renderer, seeing, eye].forEach(free);
       [renderer, seeing, eye, settings] = [ready, scaled, found, wanted];
-      return { ...info, ...axesOf(), renderer: renderer?.info() };
+      return { ...info, receptors: [...new Set(info.receptors)], ...axesOf(), renderer: infoOf() };
     } catch (error) {
       [ready, scaled, found].forEach(free);
       throw error;
@@ -71,7 +72,7 @@ const requests = {
     free(renderer);
     if (scaled !== seeing) free(seeing);
     [renderer, seeing, settings] = [ready, scaled, wanted];
-    return { ...axesOf(), renderer: renderer.info() };
+    return { ...axesOf(), renderer: infoOf() };
   },
 
   picture({ kind, width, height }) {
@@ -86,7 +87,7 @@ const requests = {
 
   render({ pose, frame }) {
     const before = performance.now();
-    const responses = own(renderer.render(pose, frame));
+    const responses = byName(own(renderer.render(pose, frame)));
     return { responses, milliseconds: performance.now() - before, memory: omma.memory_bytes() };
   },
 
@@ -94,7 +95,7 @@ const requests = {
   errors({ pose }) {
     const exact = rendererOf(world, seeing, settings, true);
     try {
-      return { responses: own(exact.render(pose, 0)), errors: own(exact.error()) };
+      return { responses: byName(own(exact.render(pose, 0))), errors: byName(own(exact.error())) };
     } finally {
       free(exact);
     }
@@ -103,6 +104,26 @@ const requests = {
 
 function rendererOf(ofWorld, ofEye, { rays, seed, receptors } = settings, error = false) {
   return omma.make_renderer(ofWorld, ofEye, { rays, seed, receptors, error });
+}
+
+function infoOf() {
+  if (!renderer) return null;
+  const info = renderer.info();
+  return { ...info, labels: [...new Set(info.labels)] };
+}
+
+// Receptor types of one name, of which an ommatidium has one (the others are NaN), become one.
+function byName(values) {
+  const { labels: types } = renderer.info();
+  const labels = [...new Set(types)];
+  if (labels.length === types.length) return values;
+  const merged = new Float32Array((values.length / types.length) * labels.length).fill(NaN);
+  const at = types.map((one) => labels.indexOf(one));
+  for (let k = 0; k < values.length; k += 1) {
+    const one = Math.floor(k / types.length) * labels.length + at[k % types.length];
+    if (!Number.isNaN(values[k])) merged[one] = values[k];
+  }
+  return merged;
 }
 
 function axesOf() {
