@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "io/csv_text.h"
+#include "io/decimal_chars.h"
 #include "io/eye_csv.h"
 #include "io/eye_json.h"
 
@@ -79,8 +80,8 @@ std::string degrees_text(T angle_rad) {
   for (int digits = 4; digits <= 17; ++digits) {
     std::array<char, 40> buffer{};
     const auto written =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(),
-                      static_cast<double>(angle_rad) / degree, std::chars_format::general, digits);
+        to_chars(buffer.data(), buffer.data() + buffer.size(),
+                 static_cast<double>(angle_rad) / degree, std::chars_format::general, digits);
     std::string text(buffer.data(), written.ptr);
     double read = 0;
     const T back = parse_decimal(text, 0, read) ? static_cast<T>(read * degree) : T{};
