@@ -129,8 +129,8 @@ bool parse(std::string_view text, int shift, T& value) {
 template <typename T>
 std::string shortest(T value, int shift) {
   std::array<char, 40> buffer{};
-  const auto written = to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                                std::chars_format::scientific);
+  const auto written =
+      to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific);
   const std::string_view text(buffer.data(), static_cast<std::size_t>(written.ptr - buffer.data()));
   const std::size_t e = text.find('e');
   if (e == std::string_view::npos) return std::string(text);  // inf, nan

@@ -167,8 +167,9 @@ void add_kernels(Writer& writer, const Eye& eye, std::string& comments) {
     if (std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.empty(); }))
       writer.add(name, std::move(cells));
   };
-  texts("kernel",
-        [](const Acceptance& a) { return kernel_names[static_cast<std::size_t>(a.kernel)]; });
+  texts("kernel", [](const Acceptance& a) {
+    return acceptance_kernel_names[static_cast<std::size_t>(a.kernel)];
+  });
   for (const CsvKernelColumn& column : csv_kernel_columns) {
     // A width is always written: where it is left out the acceptance angle takes its place, as the
     // facet diameter does that of the kernel.

@@ -9,9 +9,8 @@ namespace omma::web {
 namespace {
 
 Picture make_projection(const EyeHandle& eye, const std::string& kind, int width, int height) {
-  return checked([&] {
-    return Picture{projection_ids(*eye.eye, projection_from_name(kind), width, height)};
-  });
+  return checked(
+      [&] { return Picture{projection_ids(*eye.eye, projection_from_name(kind), width, height)}; });
 }
 
 val pixels_of(const Picture& picture) {

@@ -29,8 +29,8 @@ void read_option(const char* name, bool& value, const val& given) {
 template <typename Number>
 void read_option(const char* name, Number& value, const val& given) {
   // JavaScript's numbers are whole up to here.
-  constexpr double most = std::min(9007199254740991.0,
-                                   static_cast<double>(std::numeric_limits<Number>::max()));
+  constexpr double most =
+      std::min(9007199254740991.0, static_cast<double>(std::numeric_limits<Number>::max()));
   const double found = has_type(given, "number") ? given.as<double>() : -1;
   if (!(found >= 0 && found <= most && found == std::floor(found)))
     fail(name, "a whole number in its range", given);
@@ -148,9 +148,7 @@ class RendererHandle {
   val error() const { return errors_.empty() ? val::null() : array_of(errors_); }
 
  private:
-  std::size_t outputs() const {
-    return weights_.empty() ? rgb_bands : weights_.size() / rgb_bands;
-  }
+  std::size_t outputs() const { return weights_.empty() ? rgb_bands : weights_.size() / rgb_bands; }
 
   // NaN where an ommatidium has no receptor of a type.
   void leave_out(std::vector<float>& values) const {

@@ -34,7 +34,7 @@ void MemoryFiles::add(const std::string& name, const val& bytes) {
   const std::string base = name.substr(name.rfind('/') + 1);
   if (base.empty() || base == "." || base == "..")
     throw Error("name: expected the name of a file, found \"" + name + "\"");
-  if (!bytes.instanceof(val::global("Uint8Array")))
+  if (!bytes.instanceof (val::global("Uint8Array")))
     throw Error(base + ": expected its bytes as a Uint8Array, found " + text_of(bytes.typeOf()));
   // Not copied: the file is read before the page has its bytes back.
   val options = val::object();

@@ -1,5 +1,5 @@
-// What JavaScript holds: a scene, an eye, a world, a renderer. Each keeps alive what it needs of the
-// others, so that a page may delete them in any order.
+// What JavaScript holds: a scene, an eye, a world, a renderer. Each keeps alive what it needs of
+// the others, so that a page may delete them in any order.
 #pragma once
 
 #include <memory>

@@ -102,8 +102,8 @@ val image_of(const SceneHandle& handle, int image) {
     if (pixels.empty()) {
       pixels.resize(from.rgba_linear.size());
       for (std::size_t i = 0; i < pixels.size(); ++i)
-        pixels[i] = i % 4 == 3 ? static_cast<std::uint8_t>(std::lround(
-                                     255 * std::clamp(from.rgba_linear[i], 0.0f, 1.0f)))
+        pixels[i] = i % 4 == 3 ? static_cast<std::uint8_t>(
+                                     std::lround(255 * std::clamp(from.rgba_linear[i], 0.0f, 1.0f)))
                                : srgb8(from.rgba_linear[i]);
     }
     val picture = val::object();

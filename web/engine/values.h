@@ -1,5 +1,5 @@
-// What goes between JavaScript and the engine: arrays, which are copied, and errors, which arrive as
-// Error with the message of omma::Error.
+// What goes between JavaScript and the engine: arrays, which are copied, and errors, which arrive
+// as Error with the message of omma::Error.
 #pragma once
 
 #include <emscripten/val.h>
@@ -47,7 +47,7 @@ val list_of(const std::vector<T>& values) {
   for (const T& value : values) list.call<void>("push", value);
   return list;
 }
-val array_of(const Mat4& matrix);                 // [16], row by row
+val array_of(const Mat4& matrix);                // [16], row by row
 val array_of(const std::vector<Vec3>& vectors);  // [3 n]
 
 // From 16 numbers, row by row; omma::Error where there are not as many.
