@@ -103,7 +103,11 @@ def test_receptors_and_scaled_acceptances(page, folder):
     wide = eye.replace(acceptance_angle_rad=2 * eye.acceptance_angle_rad)
     world = omma.World(omma.load_scene(unpacked("arena.glb", folder)), backend="portable")
     renderer = omma.Renderer(world, wide, omma.Fixed(4), seed=0)
-    assert same_bits(values.ravel(), renderer.render_receptors(matrix)[0])
+    # A receptor's share of red, green and blue is an integral of exponentials, which two libraries
+    # round differently: the last digit of single precision, and no more.
+    assert np.allclose(values.ravel(), renderer.render_receptors(matrix)[0], rtol=3e-7, atol=0)
+    values, *_ = seen(page, shown="colours", widths=2)
+    assert same_bits(values, renderer.render(matrix)[0])
     plain, *_ = seen(page, shown="colours", widths=1)
     assert plain.shape == (1010, 3)
 
