@@ -3,7 +3,7 @@
 const MARK = 0xffdc00ff; // the picked one's frame, as in the window of `omma view`
 const MOST_PIXELS = 700000;
 // How many times as wide as high, of the others twice.
-const ASPECTS = { lambert: 1 };
+const ASPECTS = { lambert: 1, facets: 1.25 };
 const ROUND = ['mollweide', 'lambert'];
 const WITHOUT_DIRECTIONS = ['facets', 'single_dimension', 'hemisphere'];
 
