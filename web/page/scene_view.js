@@ -186,7 +186,8 @@ function texturesOf(three, images) {
     texture.encoding = three.sRGBEncoding;
     texture.wrapS = three.RepeatWrapping;
     texture.wrapT = three.RepeatWrapping;
-    texture.magFilter = three.LinearFilter;
+    // Pictures of a few pixels are stripes and gratings, whose edges are hard.
+    texture.magFilter = width * height <= 64 ? three.NearestFilter : three.LinearFilter;
     texture.minFilter = three.LinearMipmapLinearFilter;
     texture.generateMipmaps = true;
     texture.needsUpdate = true;
