@@ -7,7 +7,8 @@ build/site-source: docs/PAGE.md becomes PAGE.md there, all else keeps its place,
 turned accordingly. Pages that are made, not written, are put beside them: sections of the first
 page (site_index.py), the reference (site_reference.py), one for each species (site_species.py),
 all figures with the scripts that draw them (site_figures.py). Sphinx then reads that folder. Old
-addresses lead to where their pages have gone (site_moved.py). Tutorials are run, and what came out
+addresses lead to where their pages have gone (site_moved.py). The page in the browser, where
+scripts/web has made it, opens the first page. Tutorials are run, and what came out
 is kept in build/site-notebooks; with OMMA_DOCS_NOTEBOOKS=off they are shown without outputs.
 """
 
@@ -40,6 +41,8 @@ BESIDES = (
     "examples/localisation/README.md",
 )
 TUTORIALS = "docs/tutorials/index.md"
+# The page in the browser, where scripts/web has made it.
+LIVE = BUILD / "web" / "site"
 LINK = re.compile(r"\]\(([^)\s#:]+)(#[^)\s]*)?\)")
 
 
@@ -91,6 +94,20 @@ def contents(text: str) -> str:
     return text + (toctree(list(dict.fromkeys(linked))) if linked else "")
 
 
+def with_live_picture(text: str) -> str:
+    """The first page with the page in the browser in place of its picture and the words below."""
+    frame = (
+        "```{raw} html\n"
+        '<iframe class="live" src="live/index.html?embed" loading="lazy" '
+        'title="What a honeybee sees, live: drag the picture"></iframe>\n```\n\n'
+        "*Live, in your browser: what the 10,760 ommatidia of a honeybee see of a meadow. Drag "
+        "the picture to turn the head, drag the yellow head to move it, or fly with W A S D and "
+        "the arrows. [In a browser](browser.md) says more.*\n"
+    )
+    picture = re.compile(r"^!\[[^\]]*\]\([^)]*\)\n\n\*[^\n]*\*\n", re.MULTILINE)
+    return picture.sub(lambda _: frame, text, count=1)
+
+
 def put_together(source: Path) -> None:
     """All pages and what they show, in the folder that Sphinx reads."""
     shutil.rmtree(source, ignore_errors=True)
@@ -98,6 +115,8 @@ def put_together(source: Path) -> None:
     for page in pages():
         text = (ROOT / page).read_text(encoding="utf-8")
         texts[place_of(page)] = turned_links(page, text, source)
+    if LIVE.is_dir():
+        texts["index.md"] = with_live_picture(texts["index.md"])
     texts |= section_pages(texts["index.md"])
     texts["tutorials.md"] = contents(texts["tutorials.md"])
     texts |= species_pages(texts["species.md"])
@@ -127,6 +146,8 @@ def main() -> int:
     )
     if not failed:
         write_moved(site)
+        if LIVE.is_dir():
+            shutil.copytree(LIVE, site / "live", dirs_exist_ok=True)
         print(f"the site is in {site}: open {site / 'index.html'}")
     return failed
 

@@ -121,9 +121,9 @@ struct Tree {
     return static_cast<double>((boxes_in_leaf + block - 1) / block);
   }
   // Boxes of a full tree.
-  std::size_t capacity(int depth) const {
+  std::uint64_t capacity(int depth) const {
     constexpr int most = 19;  // times 8 in 64 bits, with room for the boxes of a leaf
-    return most_in_leaf << 3 * std::min(depth, most);
+    return std::uint64_t{most_in_leaf} << 3 * std::min(depth, most);
   }
 };
 
@@ -377,8 +377,8 @@ BuiltTree build_tree(std::vector<BuildBox>& boxes, const TreeShape& shape) {
   if (boxes.empty()) return out;
   const Tree tree{boxes, static_cast<std::size_t>(shape.most_in_leaf),
                   static_cast<std::size_t>(shape.block)};
-  const std::size_t most =
-      std::min((std::size_t{1} << visit_index_bits) - 1, tree.capacity(shape.most_depth));
+  const std::uint64_t most =
+      std::min((std::uint64_t{1} << visit_index_bits) - 1, tree.capacity(shape.most_depth));
   if (boxes.size() > most)
     throw Error("portable: a hierarchy over at most " + std::to_string(most) +
                 " triangles or instances is possible, found " + std::to_string(boxes.size()));

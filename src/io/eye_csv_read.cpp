@@ -216,7 +216,7 @@ Acceptance kernel(const Reader& reader, const CsvRecord& record, const Eye& eye)
     return reader.name + ", line " + std::to_string(record.line) + ", column \"" + column + "\"";
   };
   acceptance.kernel = static_cast<Kernel>(
-      index_of_name(kernel_names, cell_text(reader, record, "kernel"), place("kernel")));
+      index_of_name(acceptance_kernel_names, cell_text(reader, record, "kernel"), place("kernel")));
   const bool has_width = acceptance.kernel == Kernel::gaussian ||
                          acceptance.kernel == Kernel::pillbox ||
                          acceptance.kernel == Kernel::compoundray;

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "io/csv_text.h"
+#include "io/decimal_chars.h"
 #include "io/eye_csv.h"
 #include "io/eye_json.h"
 
@@ -79,8 +80,8 @@ std::string degrees_text(T angle_rad) {
   for (int digits = 4; digits <= 17; ++digits) {
     std::array<char, 40> buffer{};
     const auto written =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(),
-                      static_cast<double>(angle_rad) / degree, std::chars_format::general, digits);
+        to_chars(buffer.data(), buffer.data() + buffer.size(),
+                 static_cast<double>(angle_rad) / degree, std::chars_format::general, digits);
     std::string text(buffer.data(), written.ptr);
     double read = 0;
     const T back = parse_decimal(text, 0, read) ? static_cast<T>(read * degree) : T{};
@@ -166,8 +167,9 @@ void add_kernels(Writer& writer, const Eye& eye, std::string& comments) {
     if (std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.empty(); }))
       writer.add(name, std::move(cells));
   };
-  texts("kernel",
-        [](const Acceptance& a) { return kernel_names[static_cast<std::size_t>(a.kernel)]; });
+  texts("kernel", [](const Acceptance& a) {
+    return acceptance_kernel_names[static_cast<std::size_t>(a.kernel)];
+  });
   for (const CsvKernelColumn& column : csv_kernel_columns) {
     // A width is always written: where it is left out the acceptance angle takes its place, as the
     // facet diameter does that of the kernel.

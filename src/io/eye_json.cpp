@@ -11,8 +11,8 @@ namespace omma {
 
 using nlohmann::json;
 
-const std::vector<std::string> kernel_names = {"gaussian", "pillbox",      "compoundray",
-                                               "airy",     "lens_rhabdom", "table"};
+const std::vector<std::string> acceptance_kernel_names = {"gaussian", "pillbox",      "compoundray",
+                                                          "airy",     "lens_rhabdom", "table"};
 const std::vector<std::string> rhabdom_model_names = {"waveguide", "geometric", "snyder"};
 
 namespace {
@@ -106,7 +106,7 @@ const std::vector<Member<SensitivityTable>>& table_members() {
 
 const std::vector<Member<Acceptance>>& acceptance_members() {
   static const std::vector<Member<Acceptance>> members = {
-      choice("kernel", &Acceptance::kernel, kernel_names),
+      choice("kernel", &Acceptance::kernel, acceptance_kernel_names),
       number("width_rad", &Acceptance::width_rad),
       number("minor_width_rad", &Acceptance::minor_width_rad),
       number("major_angle_rad", &Acceptance::major_angle_rad),

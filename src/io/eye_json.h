@@ -11,7 +11,7 @@
 namespace omma {
 
 // Names of kernels and of models of the rhabdom, in the order of their values.
-extern const std::vector<std::string> kernel_names;
+extern const std::vector<std::string> acceptance_kernel_names;
 extern const std::vector<std::string> rhabdom_model_names;
 
 // Every field that is not as it is in a new one, so that reading gives back the same bits.

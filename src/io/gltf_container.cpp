@@ -271,7 +271,7 @@ std::span<const std::uint8_t> buffer_bytes(GltfContainer& gltf, std::size_t inde
   if (bytes.size() < length)
     throw Error(place + ": claims " + std::to_string(length) + " bytes, there are " +
                 std::to_string(bytes.size()));
-  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), length};
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<std::size_t>(length)};
 }
 
 // The bytes that an object with buffer, byteOffset and byteLength means.

@@ -8,6 +8,7 @@
 
 #include "omma/acceptance.h"
 #include "optics/acceptance_warp.h"
+#include "optics/bessel.h"
 #include "optics/gauss_legendre.h"
 #include "optics/lens_rhabdom.h"
 #include "threads/cancel.h"
@@ -26,7 +27,7 @@ double compoundray_transfer(double cycles) {
   const double y = std::pow(pi * cycles * sigma_per_fwhm, 2);
   // From the asymptotic series of I0, which would overflow.
   if (y > 300) return (1 + 1 / (8 * y)) / std::sqrt(2 * pi * y);
-  return std::exp(-y) * std::cyl_bessel_i(0.0, y);
+  return std::exp(-y) * bessel_i0(y);
 }
 
 MadeOnce<Quadrature> made_nodes;
@@ -162,7 +163,8 @@ void acceptance_mtf(const Acceptance& a, std::span<const double> cycles_per_rad,
         });
       std::vector<double> frequency;
       for (const double cycles : cycles_per_rad) frequency.push_back(2 * cycles * waves);
-      std::ranges::copy(waveguide_transfer(a, frequency), transfer.begin());
+      const std::vector<double> found = waveguide_transfer(a, frequency);
+      std::copy(found.begin(), found.end(), transfer.begin());
       return;
     }
     case Kernel::table: {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "optics/bessel.h"
 #include "optics/gauss_legendre.h"
 #include "physics/sampling/acceptance_sampling.h"
 #include "threads/made_once.h"
@@ -19,7 +20,7 @@ constexpr int margin = 3, rows = profile_knots + margin;
 
 // K_{l+1}(w)/K_l(w), by the recurrence of K, which is stable upwards.
 double bessel_k_ratio(int l, double w) {
-  double ratio = w < 600 ? std::cyl_bessel_k(1.0, w) / std::cyl_bessel_k(0.0, w) : 1 + 0.5 / w;
+  double ratio = w < 600 ? bessel_k1_over_k0(w) : 1 + 0.5 / w;
   for (int i = 1; i <= l; ++i) ratio = 1 / ratio + 2 * i / w;
   return ratio;
 }

@@ -143,8 +143,10 @@ bool moves_within(const RenderCall& call, const HeadKeys& keys, bool is_animated
   if (keys.longest_s <= 0) return false;
   if (is_animated) return true;
   const std::span<const Mat4> now = things_at(call, keys, keys.past + pose, poses);
-  for (std::size_t key = keys.first_seen(pose); key < keys.past + pose; ++key)
-    if (!std::ranges::equal(things_at(call, keys, key, poses), now)) return true;
+  for (std::size_t key = keys.first_seen(pose); key < keys.past + pose; ++key) {
+    const std::span<const Mat4> then = things_at(call, keys, key, poses);
+    if (!std::equal(then.begin(), then.end(), now.begin(), now.end())) return true;
+  }
   return false;
 }
 

@@ -155,7 +155,7 @@ void render_shared(const Renderer::State& s, std::span<const Mat4> world_from_he
       std::clamp<std::size_t>(floats_of_thread * static_cast<std::size_t>(s.threads.threads) /
                                   std::max<std::size_t>(floats, 1),
                               1, std::max<std::size_t>(world_from_head.size(), 1));
-  const auto radiance = std::make_unique_for_overwrite<float[]>(floats * poses_of_launch);
+  const std::unique_ptr<float[]> radiance(new float[floats * poses_of_launch]);
   const auto launch = [&](Poses poses) {
     float* const out = responses.data() + poses.first * of.pose_size();
     if (with_error)

@@ -30,7 +30,7 @@ Launches launches(std::span<const int> devices) {
 BlockFunctions portable_block_functions() {
 #if defined(OMMA_PLAIN_LANES)
   return plain::portable_block();
-#endif
+#else
 #if defined(OMMA_HAS_AVX512)
   if (has_avx512()) return avx512::portable_block();
 #endif
@@ -38,6 +38,7 @@ BlockFunctions portable_block_functions() {
   if (has_avx2()) return avx2::portable_block();
 #endif
   return baseline::portable_block();
+#endif
 }
 
 Backend portable_backend() {

@@ -37,6 +37,15 @@ OMMA_HD unsigned child_bits(ChildInts mask) {
 inline constexpr int child_lanes = 4;
 using ChildFloats = float __attribute__((vector_size(16)));
 using ChildInts = std::int32_t __attribute__((vector_size(16)));
+#if defined(__wasm_simd128__)
+OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
+  const v128_t shorts = wasm_u16x8_extend_low_u8x16(wasm_v128_load32_zero(bytes));
+  return (ChildFloats)wasm_f32x4_convert_i32x4(wasm_u32x4_extend_low_u16x8(shorts));
+}
+OMMA_HD unsigned child_bits(ChildInts mask) {
+  return static_cast<unsigned>(wasm_i32x4_bitmask((v128_t)mask));
+}
+#else
 OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
 #if defined(__SSE2__)
   int four;
@@ -61,6 +70,7 @@ OMMA_HD unsigned child_bits(ChildInts mask) {
 }
 #endif
 #endif
+#endif
 
 template <typename F>
 OMMA_HD F least(F a, F b) {
@@ -70,6 +80,16 @@ template <typename F>
 OMMA_HD F most(F a, F b) {
   return a > b ? a : b;
 }
+
+#if defined(__wasm_simd128__)
+// One instruction for each; pmin(x, y) is y < x ? y : x.
+OMMA_HD Floats least(Floats a, Floats b) {
+  return (Floats)wasm_f32x4_pmin((v128_t)b, (v128_t)a);
+}
+OMMA_HD Floats most(Floats a, Floats b) {
+  return (Floats)wasm_f32x4_pmax((v128_t)b, (v128_t)a);
+}
+#endif
 
 // Of one lane or all, the least and the greatest.
 OMMA_HD float least_lane(float x) {

@@ -47,10 +47,10 @@ struct SceneSearch {
   OMMA_HD Triangle corners(std::uint32_t placed, std::uint32_t triangle) const {
     const PlacedFrame& frame = bvh->frames[placed];
     const MeshView& mesh = scene->meshes[bvh->placed[placed].mesh];
+    const std::int32_t* vertices = mesh.triangles + 3 * static_cast<std::ptrdiff_t>(triangle);
     Triangle t;
     for (int k = 0; k < 3; ++k) {
-      const float* at =
-          mesh.positions + 3 * std::ptrdiff_t{mesh.triangles[3 * std::ptrdiff_t{triangle} + k]};
+      const float* at = mesh.positions + 3 * static_cast<std::ptrdiff_t>(vertices[k]);
       t.corner[k] = transform_point(frame.frame_from_mesh,
                                     to_double(Vec3{at[0], at[1], at[2]}) - frame.about_m);
     }

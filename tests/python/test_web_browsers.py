@@ -1,0 +1,76 @@
+"""The page in browsers that lack something: SIMD, threads, WebGL, WebAssembly. It goes on and says
+so."""
+
+import numpy as np
+import pytest
+from view_browser import Browser, until
+from web_pages import Served, need_site, opened, seen
+
+
+@pytest.fixture(scope="module")
+def served():
+    need_site()
+    with Served() as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with Browser() as browser:
+        yield browser
+
+
+def without(browser, url, script):
+    """The page in a browser in which a script has run first."""
+    page = browser.open("about:blank", wait=False)
+    page.add_init_script(script)
+    page.goto(url)
+    return page
+
+
+def test_every_build_of_the_engine_gives_the_same_bits(browser, served):
+    start = f"{served.url}#scene=arena&eye=melophorus"
+    page = opened(browser, start)
+    there = page.evaluate("fetch('./data/data.json').then((answer) => answer.json())")["engines"]
+    wanted, *_ = seen(page)
+    page.context.close()
+    for kind in there:
+        page = opened(browser, start.replace("#", f"?engine={kind}#"))
+        assert page.get_attribute("body", "data-ready") == kind
+        assert np.array_equal(seen(page)[0].view(np.uint32), wanted.view(np.uint32))
+        page.context.close()
+
+
+def test_without_simd_it_is_slower_and_says_so(browser, served):
+    lacks = "WebAssembly.validate = () => false;"
+    page = without(browser, f"{served.url}#scene=arena&eye=melophorus", lacks)
+    page.wait_for_selector("body[data-ready=plain]")
+    assert "no WebAssembly SIMD" in page.inner_text("#said")
+    page.context.close()
+
+
+def test_without_isolation_there_is_one_thread(browser, served):
+    lacks = "Object.defineProperty(globalThis, 'crossOriginIsolated', { value: false });"
+    page = without(browser, f"{served.url}#scene=arena&eye=melophorus", lacks)
+    page.wait_for_selector("body[data-ready=simd]")
+    threads = page.evaluate("fetch('./data/data.json').then((answer) => answer.json())")["engines"]
+    assert ("One thread" in page.inner_text("#said")) == ("threads" in threads)
+    page.context.close()
+
+
+def test_without_webgl_the_eye_sees_as_ever(browser, served):
+    lacks = """const old = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+  return kind.startsWith('webgl') ? null : old.call(this, kind, ...more);
+};"""
+    page = without(browser, f"{served.url}#scene=arena&eye=melophorus", lacks)
+    page.wait_for_selector("body[data-ready]")
+    assert "no WebGL" in page.inner_text("#scene-note")
+    assert seen(page)[0].max() > 0.1
+    page.context.close()
+
+
+def test_without_webassembly_it_says_that_it_cannot(browser, served):
+    page = without(browser, served.url, "delete globalThis.WebAssembly;")
+    until(lambda: "no WebAssembly" in page.inner_text("#trouble"))
+    page.context.close()

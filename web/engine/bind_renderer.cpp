@@ -1,0 +1,190 @@
+// Worlds and renderers for JavaScript.
+#include <emscripten/bind.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "handles.h"
+#include "omma/receptor.h"
+#include "omma/render.h"
+#include "values.h"
+
+namespace omma::web {
+namespace {
+
+WorldHandle make_world(const SceneHandle& scene) {
+  return checked([&] { return WorldHandle{World(scene.scene, {.backend = "portable"})}; });
+}
+
+[[noreturn]] void fail(const char* name, const std::string& expected, const val& found) {
+  throw Error(std::string(name) + ": expected " + expected + ", found " + text_of(found));
+}
+
+void read_option(const char* name, bool& value, const val& given) {
+  if (!has_type(given, "boolean")) fail(name, "true or false", given);
+  value = given.as<bool>();
+}
+
+template <typename Number>
+void read_option(const char* name, Number& value, const val& given) {
+  // JavaScript's numbers are whole up to here.
+  constexpr double most =
+      std::min(9007199254740991.0, static_cast<double>(std::numeric_limits<Number>::max()));
+  const double found = has_type(given, "number") ? given.as<double>() : -1;
+  if (!(found >= 0 && found <= most && found == std::floor(found)))
+    fail(name, "a whole number in its range", given);
+  value = static_cast<Number>(found);
+}
+
+void read_option(const char* name, auto& value, const val& given, const auto& names) {
+  std::string known;
+  for (const auto& named : names) {
+    if (has_type(given, "string") && given.as<std::string>() == named.name) {
+      value = named.value;
+      return;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(named.name);
+  }
+  fail(name, "one of " + known, given);
+}
+
+struct Options {
+  RenderSettings settings;
+  bool receptors = false, error = false;
+};
+
+// `options`: those of RenderSettings (for_each_option), rays, receptors and error; what is left out
+// is as there.
+Options read_options(const val& options) {
+  Options found;
+  Fixed fixed;
+  std::vector<std::string> known;
+  const auto read = [&](const char* name, auto& value, const auto&... names) {
+    known.emplace_back(name);
+    const val given = options[name];
+    if (!given.isUndefined()) read_option(name, value, given, names...);
+  };
+  read("rays", fixed.samples);
+  read("receptors", found.receptors);
+  read("error", found.error);
+  for_each_option(found.settings, read);
+  found.settings.sampling = fixed;
+  const val names = val::global("Object").call<val>("keys", options);
+  for (int i = 0; i < names["length"].as<int>(); ++i) {
+    const auto name = names[i].as<std::string>();
+    std::string all;
+    for (const std::string& one : known) {
+      if (one == name) all = "";
+      if (one == name) break;
+      all += (all.empty() ? "" : ", ") + one;
+    }
+    if (!all.empty()) throw Error("options: expected " + all + ", found " + name);
+  }
+  return found;
+}
+
+// What receptors make of red, green and blue, [type][band]; omma::Error where they do not all look
+// through their ommatidium's own acceptance.
+std::vector<double> weights_of(const Eye& eye) {
+  if (eye.receptor_types.empty())
+    throw Error("receptors: expected an eye with receptors, found none");
+  std::vector<double> weights;
+  for (const ReceptorType& type : eye.receptor_types) {
+    if (type.right_rad != 0 || type.up_rad != 0 || type.acceptance)
+      throw Error("receptors: expected those that look along their ommatidium's axis, found \"" +
+                  type.name + "\" beside it or with an acceptance of its own");
+    for (const double weight : receptor_weights(type)) weights.push_back(weight);
+  }
+  return weights;
+}
+
+class RendererHandle {
+ public:
+  RendererHandle(const WorldHandle& world, const EyeHandle& eye, const Options& options)
+      : renderer_(std::make_shared<Renderer>(world.world, *eye.eye, options.settings)),
+        error_(options.error) {
+    if (options.receptors) weights_ = weights_of(*eye.eye);
+  }
+
+  val info() const {
+    return checked([&] {
+      val info = val::object();
+      std::vector<std::string> labels{"red", "green", "blue"};
+      if (!weights_.empty()) {
+        labels.clear();
+        for (const ReceptorType& type : renderer_->eye().receptor_types)
+          labels.push_back(type.name);
+      }
+      info.set("bands", outputs());
+      info.set("labels", list_of(labels));
+      info.set("rays_per_frame",
+               static_cast<double>(renderer_->rays_per_frame()) * (error_ ? error_scrambles : 1));
+      info.set("threads", renderer_->threads());
+      return info;
+    });
+  }
+
+  val render(const val& world_from_head, double frame) {
+    return checked([&] {
+      if (!(frame >= 0 && frame <= 9007199254740991.0 && frame == std::floor(frame)))
+        throw Error("frame: expected a whole number from 0 on, found " + std::to_string(frame));
+      RenderCall call;
+      call.first_pose = static_cast<std::uint64_t>(frame);
+      call.output_from_band = weights_;
+      responses_.resize(renderer_->eye().size() * outputs());
+      if (error_) {
+        errors_.resize(responses_.size());
+        call.standard_error = errors_;
+      }
+      const Mat4 pose = matrix_of(world_from_head, "world_from_head");
+      renderer_->render(std::span<const Mat4>(&pose, 1), responses_, call);
+      leave_out(responses_);
+      if (error_) leave_out(errors_);
+      return array_of(responses_);
+    });
+  }
+
+  val error() const { return errors_.empty() ? val::null() : array_of(errors_); }
+
+ private:
+  std::size_t outputs() const { return weights_.empty() ? rgb_bands : weights_.size() / rgb_bands; }
+
+  // NaN where an ommatidium has no receptor of a type.
+  void leave_out(std::vector<float>& values) const {
+    if (weights_.empty()) return;
+    const Eye& eye = renderer_->eye();
+    const std::size_t types = outputs();
+    std::vector<char> has(types);
+    for (std::size_t i = 0; i < eye.size(); ++i) {
+      std::fill(has.begin(), has.end(), 0);
+      for (std::int32_t r = eye.first_receptor[i]; r < eye.first_receptor[i + 1]; ++r)
+        has[static_cast<std::size_t>(eye.receptor_type[static_cast<std::size_t>(r)])] = 1;
+      for (std::size_t t = 0; t < types; ++t)
+        if (!has[t]) values[i * types + t] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+
+  std::shared_ptr<Renderer> renderer_;
+  std::vector<double> weights_;  // [type][band] of receptors, or empty
+  bool error_;
+  std::vector<float> responses_, errors_;  // [ommatidium][output]
+};
+
+RendererHandle make_renderer(const WorldHandle& world, const EyeHandle& eye, const val& options) {
+  return checked([&] { return RendererHandle(world, eye, read_options(options)); });
+}
+
+}  // namespace
+
+void bind_renderer() {
+  emscripten::class_<WorldHandle>("World");
+  emscripten::function("make_world", &make_world);
+  emscripten::class_<RendererHandle>("Renderer")
+      .function("info", &RendererHandle::info)
+      .function("render", &RendererHandle::render)
+      .function("error", &RendererHandle::error);
+  emscripten::function("make_renderer", &make_renderer);
+}
+
+}  // namespace omma::web

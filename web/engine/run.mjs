@@ -1,0 +1,46 @@
+// Renders by the JavaScript module in Node.js what a request (JSON, on standard input) says; the
+// tests' and the benchmark's side of JavaScript.
+//   node web/engine/run.mjs < request
+// The request: module (path of the .js), scene and eye (paths), options (of make_renderer), poses
+// (16 numbers each, row by row), first_frame, times (each is rendered so often), responses (a file
+// for what the last time gave, float32). The answer: info of the renderer, seconds of each frame,
+// memory_bytes before and after.
+import fs from 'node:fs';
+import path from 'node:path';
+
+const request = JSON.parse(fs.readFileSync(0, 'utf8'));
+const { default: createOmma } = await import(path.resolve(request.module));
+const wasmBinary = fs.readFileSync(request.module.replace(/\.js$/, '.wasm'));
+const omma = await createOmma({ wasmBinary });
+const load = (file) => [path.basename(file), new Uint8Array(fs.readFileSync(file))];
+
+const answer = {};
+try {
+  const scene = omma.load_scene(...load(request.scene));
+  const eye = omma.load_eye(...load(request.eye), 1e-3);
+  const world = omma.make_world(scene);
+  const renderer = omma.make_renderer(world, eye, request.options ?? {});
+  const responses = [];
+  answer.build = omma.build();
+  answer.info = renderer.info();
+  answer.seconds = [];
+  answer.memory_bytes = [omma.memory_bytes()];
+  for (let time = 0; time < (request.times ?? 1); ++time) {
+    responses.length = 0;
+    request.poses.forEach((pose, i) => {
+      const before = performance.now();
+      responses.push(renderer.render(pose, (request.first_frame ?? 0) + i));
+      answer.seconds.push((performance.now() - before) / 1000);
+      if (request.options?.error) responses.push(renderer.error());
+    });
+  }
+  answer.memory_bytes.push(omma.memory_bytes());
+  if (request.responses) {
+    fs.writeFileSync(request.responses, Buffer.concat(responses.map((r) => Buffer.from(r.buffer))));
+  }
+  for (const handle of [renderer, world, eye, scene]) handle.delete();
+} catch (error) {
+  answer.error = error.message;
+}
+console.log(JSON.stringify(answer));
+process.exit(0);  // with threads, whose workers would go on

@@ -1,0 +1,157 @@
+// Owns the engine: scene, eye, renderer and picture. Each request is answered before the next one
+// is looked at; one that fails leaves all as it was.
+
+const FILES = { threads: 'omma_threads.js', simd: 'omma.js', plain: 'omma_plain.js' };
+
+let omma = null;
+let scene = null;
+let world = null;
+let eye = null; // as the file has it
+let seeing = null; // the same with its acceptance angles scaled
+let renderer = null;
+let settings = { rays: 4, seed: 0, receptors: false, widths: 1 };
+let projected = null; // { kind, width, height }
+
+const free = (handle) => handle?.delete();
+// What the engine hands out may be a view of its memory, which moves as that grows.
+const own = (numbers) => numbers.slice();
+
+const requests = {
+  async start({ kind }) {
+    const { default: createOmma } = await import(new URL(`./engine/${FILES[kind]}`, import.meta.url));
+    omma = await createOmma();
+    return { version: omma.version(), projections: Array.from(omma.projections()) };
+  },
+
+  scene({ name, data }) {
+    const found = omma.load_scene(name, new Uint8Array(data));
+    let made = null;
+    let ready = null;
+    try {
+      made = omma.make_world(found);
+      ready = eye ? rendererOf(made, seeing) : null;
+      const info = found.info();
+      const drawn = drawnOf(found);
+      [renderer, world, scene].forEach(free);
+      [renderer, world, scene] = [ready, made, found];
+      return { ...info, drawn, renderer: infoOf() };
+    } catch (error) {
+      [ready, made, found].forEach(free);
+      throw error;
+    }
+  },
+
+  eye({ name, data, metresPerUnit }) {
+    const found = omma.load_eye(name, new Uint8Array(data), metresPerUnit);
+    let scaled = null;
+    let ready = null;
+    try {
+      const info = found.info();
+      // Not every eye can be scaled or has receptors: another one is first shown as it is.
+      const wanted = { ...settings, widths: 1, receptors: false };
+      scaled = found.scaled(1);
+      ready = world ? rendererOf(world, scaled, wanted) : null;
+      [renderer, seeing, eye].forEach(free);
+      [renderer, seeing, eye, settings] = [ready, scaled, found, wanted];
+      return { ...info, receptors: [...new Set(info.receptors)], ...axesOf(), renderer: infoOf() };
+    } catch (error) {
+      [ready, scaled, found].forEach(free);
+      throw error;
+    }
+  },
+
+  settings(wanted) {
+    const scaled = wanted.widths === settings.widths ? seeing : eye.scaled(wanted.widths);
+    let ready;
+    try {
+      ready = rendererOf(world, scaled, wanted);
+    } catch (error) {
+      if (scaled !== seeing) free(scaled);
+      throw error;
+    }
+    free(renderer);
+    if (scaled !== seeing) free(seeing);
+    [renderer, seeing, settings] = [ready, scaled, wanted];
+    return { ...axesOf(), renderer: infoOf() };
+  },
+
+  picture({ kind, width, height }) {
+    const made = omma.make_projection(seeing, kind, width, height);
+    try {
+      projected = { kind, width, height };
+      return { ...projected, ids: own(made.pixels()) };
+    } finally {
+      free(made);
+    }
+  },
+
+  render({ pose, frame }) {
+    const before = performance.now();
+    const responses = byName(own(renderer.render(pose, frame)));
+    return { responses, milliseconds: performance.now() - before, memory: omma.memory_bytes() };
+  },
+
+  // The same with its standard error, by a renderer of its own.
+  errors({ pose }) {
+    const exact = rendererOf(world, seeing, settings, true);
+    try {
+      return { responses: byName(own(exact.render(pose, 0))), errors: byName(own(exact.error())) };
+    } finally {
+      free(exact);
+    }
+  },
+};
+
+function rendererOf(ofWorld, ofEye, { rays, seed, receptors } = settings, error = false) {
+  return omma.make_renderer(ofWorld, ofEye, { rays, seed, receptors, error });
+}
+
+function infoOf() {
+  if (!renderer) return null;
+  const info = renderer.info();
+  return { ...info, labels: [...new Set(info.labels)] };
+}
+
+// Receptor types of one name, of which an ommatidium has one (the others are NaN), become one.
+function byName(values) {
+  const { labels: types } = renderer.info();
+  const labels = [...new Set(types)];
+  if (labels.length === types.length) return values;
+  const merged = new Float32Array((values.length / types.length) * labels.length).fill(NaN);
+  const at = types.map((one) => labels.indexOf(one));
+  for (let k = 0; k < values.length; k += 1) {
+    const one = Math.floor(k / types.length) * labels.length + at[k % types.length];
+    if (!Number.isNaN(values[k])) merged[one] = values[k];
+  }
+  return merged;
+}
+
+function axesOf() {
+  return { axes: own(seeing.axes()), acceptance: own(seeing.acceptance_rad()) };
+}
+
+function drawnOf(found) {
+  const copied = (one) => {
+    const numbers = Object.entries(one).filter(([, value]) => ArrayBuffer.isView(value));
+    return { ...one, ...Object.fromEntries(numbers.map(([name, value]) => [name, own(value)])) };
+  };
+  const parts = Array.from(found.parts(), copied);
+  const used = [...new Set(parts.map(({ image }) => image))].filter((image) => image >= 0);
+  return { parts, images: new Map(used.map((image) => [image, copied(found.image(image))])) };
+}
+
+// Requests wait for each other: loading the engine takes its time.
+let before = Promise.resolve();
+onmessage = ({ data: { id, name, given } }) => {
+  before = before.then(async () => {
+    try {
+      const result = await requests[name](given);
+      const handed = [result.responses, result.ids].filter(Boolean).map((one) => one.buffer);
+      postMessage({ id, result }, handed);
+    } catch (error) {
+      // What the engine throws by itself leaves it whole; a trap of the machine does not.
+      const dead = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+      postMessage({ id, error: error?.message ?? String(error), dead });
+    }
+  });
+};
