@@ -5,8 +5,6 @@
 // waits for them; who still comes too late waits for ever too.
 #include "progress.h"
 
-#include <pthread.h>
-
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -14,6 +12,7 @@
 
 #include "model/long_work.h"
 #include "omma/error.h"
+#include "system/process.h"
 
 namespace omma::python {
 
@@ -135,7 +134,7 @@ void run_long_work(const std::function<void()>& work) {
 }
 
 void end_work_at_exit() {
-  pthread_atfork(nullptr, nullptr, forget_other_threads);
+  system::at_fork_in_child(forget_other_threads);
   nb::module_::import_("atexit").attr("register")(nb::cpp_function([] {
     ends_python = true;
     ending = true;

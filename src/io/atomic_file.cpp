@@ -10,6 +10,7 @@
 
 #include "io/whole_files.h"
 #include "omma/error.h"
+#include "system/files.h"
 #include "threads/cancel.h"
 
 namespace omma {
@@ -25,7 +26,8 @@ std::string reason() {
 
 std::string read_file(const std::string& path, const WorkPart& work) {
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
+  const fs::path name = system::reachable(system::path_of(path));
+  const fs::file_status status = fs::status(name, error);
   if (status.type() == fs::file_type::not_found) throw Error(path + ": there is no such file");
   if (error) throw Error(path + ": cannot be opened: " + error.message());
   if (fs::is_directory(status)) throw Error(path + ": is a directory, expected a file");
@@ -33,9 +35,9 @@ std::string read_file(const std::string& path, const WorkPart& work) {
   if (!fs::is_regular_file(status)) throw Error(path + ": is not a regular file");
 
   errno = 0;
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(name, std::ios::binary);
   if (!file) throw Error(path + ": cannot be opened: " + reason());
-  const std::uintmax_t size = fs::file_size(path, error);
+  const std::uintmax_t size = fs::file_size(name, error);
   if (error) throw Error(path + ": cannot be read: " + error.message());
   std::string bytes(size, '\0');
   constexpr std::uintmax_t piece = 1 << 24;

@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <string_view>
 #include <system_error>
@@ -17,6 +16,7 @@
 #include "model/unit_axis.h"
 #include "omma/error.h"
 #include "omma/io.h"
+#include "system/files.h"
 
 namespace omma {
 namespace {
@@ -189,7 +189,7 @@ namespace {
 enum class EyeFormat { eye, csv, gltf, glb };
 
 std::string ending_of(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
+  std::string ending = system::text_of(system::path_of(path).extension());
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return ending;
 }

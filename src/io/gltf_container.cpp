@@ -14,6 +14,7 @@
 #include "io/meshopt.h"
 #include "model/text.h"
 #include "omma/error.h"
+#include "system/files.h"
 
 namespace omma {
 namespace {
@@ -214,19 +215,20 @@ std::string uri_file(const std::string& scene_path, const std::string& uri,
   const std::size_t colon = uri.find(':');
   if (colon != std::string::npos && colon < uri.find('/'))
     throw Error(refused + "has a scheme; expected a data URI or a relative path");
-  if (fs::path(name).is_absolute())
+  const fs::path relative = system::path_of(name);
+  if (relative.has_root_path())
     throw Error(refused + "is an absolute path; expected one relative to the scene");
 
   // Symbolic links are resolved first, so that they cannot lead out either.
   std::error_code error;
-  const fs::path parent = fs::path(scene_path).parent_path();
-  const fs::path folder = fs::weakly_canonical(parent.empty() ? "." : parent, error);
-  const fs::path target = error ? fs::path() : fs::weakly_canonical(folder / name, error);
+  const fs::path parent = system::path_of(scene_path).parent_path();
+  const fs::path folder = system::resolved(parent.empty() ? "." : parent, error);
+  const fs::path target = error ? fs::path() : system::resolved(folder / relative, error);
   if (error) throw Error(refused + "cannot be followed: " + error.message());
   const auto [folder_end, ignored] =
       std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
   if (folder_end != folder.end()) throw Error(refused + "leads out of the scene's folder");
-  return target.string();
+  return system::text_of(target);
 }
 
 std::string read_uri_file(const std::string& path, const std::string& uri, const std::string& place,

@@ -1,8 +1,6 @@
 // The one writer of all formats: files get their names when all of them are whole, and together.
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +8,8 @@
 #include <span>
 #include <string>
 #include <vector>
+
+#include "system/files.h"
 
 namespace omma {
 
@@ -46,13 +46,13 @@ class WholeFiles {
   struct Part {
     std::string path;  // as the caller named it
     std::filesystem::path target, temporary;
-    int descriptor = -1;
-    bool closed = false;  // synced; `descriptor` may stay for its lock
+    system::File file = system::no_file;
+    bool closed = false;  // synced; `file` may stay for its lock
     bool kept = false;
   };
 
   std::string token_;
-  pid_t process_;  // a forked child must not remove its parent's files
+  long process_;  // a forked child must not remove its parent's files
   std::vector<Part> parts_;
   std::set<std::filesystem::path> locked_folders_;
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "omma/error.h"
+#include "system/files.h"
 
 namespace omma {
 
@@ -51,7 +52,7 @@ std::string readable_text(std::string_view text) {
 }
 
 std::string without_folder(std::string text, const std::string& path) {
-  const std::size_t folder = path.rfind('/') + 1;
+  const std::size_t folder = path.find_last_of(system::separators) + 1;
   if (folder == 0) return text;
   const std::string name = path.substr(folder);
   for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path, at))

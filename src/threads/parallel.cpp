@@ -1,9 +1,8 @@
 // Who takes part in which work, and whether there are threads.
 #include "threads/parallel.h"
 
-#include <pthread.h>
-
 #include "omma/error.h"
+#include "system/process.h"
 
 namespace omma {
 namespace {
@@ -18,7 +17,7 @@ void lose_threads() {
 }
 
 // Once, when the library is loaded: before any fork that matters.
-[[maybe_unused]] const int registered = pthread_atfork(nullptr, nullptr, lose_threads);
+[[maybe_unused]] const bool registered = system::at_fork_in_child(lose_threads);
 
 }  // namespace
 

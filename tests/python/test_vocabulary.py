@@ -15,6 +15,7 @@ MOST_PARAMETERS = 6
 # Folders, from the lowest to the highest: each includes from those before it, and from itself.
 # Those of one line know nothing of each other. The public headers, include/omma, are below all.
 FOLDERS = [
+    ["system"],
     ["threads", "physics"],
     ["optics"],
     ["model"],
@@ -115,6 +116,38 @@ def test_folders_include_downwards(folder, levels, least):
         (file, other) for file, own, other in found if own != other and level[own] <= level[other]
     ]
     assert wrong == []
+
+
+# Headers of POSIX and of Windows, by which sources depend on a system. Those of the standard C
+# library are none.
+OF_A_SYSTEM = re.compile(
+    r"#include\s*<((?:sys|linux|netinet|arpa)/\S+|windows\.h|winsock2\.h|io\.h|direct\.h|process\.h"
+    r"|(?:unistd|fcntl|dlfcn|pthread|signal|sched|dirent|poll|termios|pwd|glob|spawn|semaphore)\.h)>"
+)
+# Libraries of graphics cards are loaded by dlopen: only where OMMA_CUDA is on.
+LOADS_LIBRARIES = {"src/backend/cuda/driver.cpp", "src/backend/cuda/nvrtc.cpp"}
+
+
+def test_what_is_of_a_system_is_in_one_room():
+    found = {}
+    for base in ("src", "include", "python/src", "compat"):
+        for path in [*(ROOT / base).rglob("*.h"), *(ROOT / base).rglob("*.cpp")]:
+            names = OF_A_SYSTEM.findall(path.read_text())
+            if names:
+                found[path.relative_to(ROOT).as_posix()] = names
+    elsewhere = {
+        path: names
+        for path, names in found.items()
+        if not path.startswith("src/system/") and path not in LOADS_LIBRARIES
+    }
+    assert elsewhere == {}
+    assert all(found[path] == ["dlfcn.h"] for path in LOADS_LIBRARIES)
+    # Each header of the room is done for both, in files that only its system compiles.
+    room = {path.name for path in (ROOT / "src/system").iterdir()}
+    headers_of_room = [name[:-2] for name in room if name.endswith(".h")]
+    assert room == {
+        f"{name}{end}" for name in headers_of_room for end in (".h", "_posix.cpp", "_windows.cpp")
+    }
 
 
 def test_the_reading_path_is_as_long_as_architecture_says():
