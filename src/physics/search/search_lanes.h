@@ -37,15 +37,6 @@ OMMA_HD unsigned child_bits(ChildInts mask) {
 inline constexpr int child_lanes = 4;
 using ChildFloats = float __attribute__((vector_size(16)));
 using ChildInts = std::int32_t __attribute__((vector_size(16)));
-#if defined(__wasm_simd128__)
-OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
-  const v128_t shorts = wasm_u16x8_extend_low_u8x16(wasm_v128_load32_zero(bytes));
-  return (ChildFloats)wasm_f32x4_convert_i32x4(wasm_u32x4_extend_low_u16x8(shorts));
-}
-OMMA_HD unsigned child_bits(ChildInts mask) {
-  return static_cast<unsigned>(wasm_i32x4_bitmask((v128_t)mask));
-}
-#else
 OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
 #if defined(__SSE2__)
   int four;
@@ -68,7 +59,6 @@ OMMA_HD ChildFloats read_children(const std::uint8_t* bytes) {
 OMMA_HD unsigned child_bits(ChildInts mask) {
   return lane_bits(mask);
 }
-#endif
 #endif
 #endif
 
