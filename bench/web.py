@@ -101,7 +101,7 @@ def million_triangles() -> bytes:
     )  # fmt: skip
     colors = np.random.default_rng(1).uniform(0.1, 0.6, (len(positions), 3))
     mesh = omma.scene.Mesh(positions, triangles, colors=colors)
-    scene = omma.Scene([mesh], [omma.scene.Instance(0)])
+    scene = omma.Scene(meshes=[mesh], instances=[omma.scene.Instance(0)])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "million.glb"
         omma.scene.save_scene(path, scene)

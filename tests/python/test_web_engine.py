@@ -99,10 +99,10 @@ def test_bits_of_an_arena(options, few, tmp_path):
 
 
 def test_acceptances_of_lenses(tmp_path):
-    # Their tables are made with Bessel functions and powers, which C libraries round differently, in
-    # the last digit of a double. A direction in single precision may then be its neighbour, and a ray
-    # that grazes an edge meet its other side: one ray of 64 in an ommatidium, no more than one
-    # ommatidium in fifty. On the day this was written no bit differed.
+    # Their tables are made with Bessel functions and powers, which C libraries round differently,
+    # in the last digit of a double. A direction in single precision may then be its neighbour, and
+    # a ray that grazes an edge meet its other side: one ray of 64 in an ommatidium, no more than
+    # one ommatidium in fifty. On the day this was written no bit differed.
     acceptance = omma.Acceptance.lens_rhabdom(
         facet_diameter_m=25e-6, wavelength_nm=500, focal_length_m=66e-6, rhabdom_diameter_m=2e-6
     )
@@ -119,8 +119,8 @@ def test_acceptances_of_lenses(tmp_path):
 
 
 def test_receptors_by_type(tmp_path):
-    # The engine mixes red, green and blue before they are rounded to single precision, Python may do
-    # so afterwards: three roundings and that of the sum, each of 2^-24.
+    # The engine mixes red, green and blue before they are rounded to single precision, Python may
+    # do so afterwards: three roundings and that of the sum, each of 2^-24.
     eye = omma.load_eye(EYE).take(np.arange(0, 5380, 50))
     green = omma.receptors.ReceptorType("green", peak_wavelength_nm=540)
     blue = omma.receptors.ReceptorType("blue", peak_wavelength_nm=440)

@@ -210,7 +210,7 @@ def test_own_files_are_read(page, folder):
     [
         ("cut.glb", b"glTF\x02\x00\x00\x00\x10\x00"),
         ("text.glb", b"no scene at all, but a text of some length"),
-        ("away.gltf", b'{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":4}]}'),
+        ("old.gltf", b'{"asset": {"version": "1.0"}}'),
         ("words.csv", b"a,b,c\n1,2,3\n"),
         ("short.eye", b"0 0 0 0 0 -1\n"),
     ],

@@ -3,8 +3,8 @@
 //   node web/engine/run.mjs < request
 // The request: module (path of the .js), scene and eye (paths), options (of make_renderer), poses
 // (16 numbers each, row by row), first_frame, times (each is rendered so often), responses (a file
-// for what the last time gave, float32). The answer: info of the renderer, seconds of each frame,
-// memory_bytes before and after.
+// for what the last time gave, float32). The answer: info of the renderer, seconds of each frame and
+// those of the processor, memory_bytes before and after.
 import fs from 'node:fs';
 import path from 'node:path';
 
@@ -24,12 +24,15 @@ try {
   answer.build = omma.build();
   answer.info = renderer.info();
   answer.seconds = [];
+  answer.processor_seconds = [];
   answer.memory_bytes = [omma.memory_bytes()];
   for (let time = 0; time < (request.times ?? 1); ++time) {
     responses.length = 0;
     request.poses.forEach((pose, i) => {
       const before = performance.now();
+      const used = process.cpuUsage();
       responses.push(renderer.render(pose, (request.first_frame ?? 0) + i));
+      answer.processor_seconds.push(process.cpuUsage(used).user / 1e6);
       answer.seconds.push((performance.now() - before) / 1000);
       if (request.options?.error) responses.push(renderer.error());
     });

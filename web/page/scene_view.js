@@ -6,6 +6,7 @@ import { matrixOf } from './pose.js';
 export const MOST_TRIANGLES = 1500000; // what a browser draws without effort
 const HEAD = 0xffdc00;
 const GRAB_PIXELS = 26;
+const SLOW_MS = 50;
 
 /** The diagonal of a scene, m; 10 of one that has nothing in it. */
 export function sizeOf(bounds) {
@@ -32,6 +33,7 @@ export class SceneView {
     this.scene.add(this.head);
     this.parts = null;
     this.wanted = false;
+    this.rested = 0; // when it may draw again
     this.#listen();
     new ResizeObserver(() => this.#resize()).observe(canvas.parentElement);
     this.#resize();
@@ -97,13 +99,21 @@ export class SceneView {
     this.draw();
   }
 
+  // Without a graphics card a drawing may take long, and the eye's picture has to wait for it: then
+  // three times as long goes by until the next one.
   draw() {
     if (this.wanted) return;
     this.wanted = true;
-    requestAnimationFrame(() => {
+    const wait = Math.max(0, this.rested - performance.now());
+    setTimeout(() => requestAnimationFrame(() => {
       this.wanted = false;
+      const before = performance.now();
       this.renderer.render(this.scene, this.camera);
-    });
+      requestAnimationFrame(() => {
+        const took = performance.now() - before;
+        this.rested = took > SLOW_MS ? performance.now() + 3 * took : 0;
+      });
+    }), wait);
   }
 
   #resize() {

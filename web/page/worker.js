@@ -7,7 +7,7 @@ let omma = null;
 let scene = null;
 let world = null;
 let eye = null; // as the file has it
-let seeing = null; // the same with its acceptance angles scaled
+let seeing = null; // the same with its acceptance angles scaled; itself where they are not
 let renderer = null;
 let settings = { rays: 4, seed: 0, receptors: false, widths: 1 };
 let projected = null; // { kind, width, height }
@@ -43,34 +43,32 @@ const requests = {
 
   eye({ name, data, metresPerUnit }) {
     const found = omma.load_eye(name, new Uint8Array(data), metresPerUnit);
-    let scaled = null;
     let ready = null;
     try {
       const info = found.info();
       // Not every eye can be scaled or has receptors: another one is first shown as it is.
       const wanted = { ...settings, widths: 1, receptors: false };
-      scaled = found.scaled(1);
-      ready = world ? rendererOf(world, scaled, wanted) : null;
-      [renderer, seeing, eye].forEach(free);
-      [renderer, seeing, eye, settings] = [ready, scaled, found, wanted];
+      ready = world ? rendererOf(world, found, wanted) : null;
+      [renderer, seeing === eye ? null : seeing, eye].forEach(free);
+      [renderer, seeing, eye, settings] = [ready, found, found, wanted];
       return { ...info, receptors: [...new Set(info.receptors)], ...axesOf(), renderer: infoOf() };
     } catch (error) {
-      [ready, scaled, found].forEach(free);
+      [ready, found].forEach(free);
       throw error;
     }
   },
 
   settings(wanted) {
-    const scaled = wanted.widths === settings.widths ? seeing : eye.scaled(wanted.widths);
+    const scaled = scaledTo(wanted.widths);
     let ready;
     try {
       ready = rendererOf(world, scaled, wanted);
     } catch (error) {
-      if (scaled !== seeing) free(scaled);
+      if (scaled !== seeing && scaled !== eye) free(scaled);
       throw error;
     }
     free(renderer);
-    if (scaled !== seeing) free(seeing);
+    if (seeing !== scaled && seeing !== eye) free(seeing);
     [renderer, seeing, settings] = [ready, scaled, wanted];
     return { ...axesOf(), renderer: infoOf() };
   },
@@ -101,6 +99,11 @@ const requests = {
     }
   },
 };
+
+function scaledTo(widths) {
+  if (widths === settings.widths) return seeing;
+  return widths === 1 ? eye : eye.scaled(widths);
+}
 
 function rendererOf(ofWorld, ofEye, { rays, seed, receptors } = settings, error = false) {
   return omma.make_renderer(ofWorld, ofEye, { rays, seed, receptors, error });
