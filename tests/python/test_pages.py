@@ -157,6 +157,7 @@ NOT_RUN = {
     "scripts/blender_addon": "fetches Blender; test_blender_addon.py runs it without",
     "omma view": "goes on until Ctrl-C; test_view_command.py",
     "scripts/bench": "ten minutes, and says nothing on a machine with other work",
+    "scripts/web": "twenty minutes; test_web_page.py tries what it makes",
     "pip install": "installs; it is what scripts/setup does",
     "omma dataset run job.toml --": "needs a cluster; test_datasets_cluster.py has a small one",
     "omma render-cameras examples/meadow.glb": "half a minute; test_cameras.py has smaller",
