@@ -9,6 +9,7 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,8 +37,12 @@ namespace {
 std::size_t functions = 0;  // so many are listed
 std::map<std::string, std::unique_ptr<std::uint64_t>> counts;  // by function
 
-// Blocks are translated one at a time, and here one thread runs: nothing is locked.
+std::mutex counting;
+
+// Threads translate side by side. Counters are not locked: of what several threads execute at once
+// some may be lost, but the renders that are counted have one.
 void translated(qemu_plugin_id_t, qemu_plugin_tb* block) {
+  const std::lock_guard lock(counting);
   const char* name = qemu_plugin_insn_symbol(qemu_plugin_tb_get_insn(block, 0));
   std::unique_ptr<std::uint64_t>& count = counts[name != nullptr ? name : "(no name)"];
   if (count == nullptr) count = std::make_unique<std::uint64_t>(0);
