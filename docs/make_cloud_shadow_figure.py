@@ -47,15 +47,16 @@ def main() -> None:
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.35])
     km = SIZE_M / 2000
     left.imshow(
-        omma.picture.display(colours / np.quantile(colours, 0.995)), extent=(-km, km, -km, km)
+        omma.picture.display(0.45 * colours / np.quantile(colours, 0.995)), extent=(-km, km, -km, km)
     )
     left.plot([-km, km], [-LINE_Z_M / 1000] * 2, color="white", lw=1)
     left.plot(0, 0, "o", ms=5, color="white", mec="black", mew=0.6)
-    left.annotate("world's origin", (0.12, 0.12), color="white", fontsize="small")
+    box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+    left.annotate("world's origin", (0.2, 0.2), fontsize="small", bbox=box)
     x, _, z = 0.85 * km * clear.discs[0].direction
     left.annotate(
-        "to the sun", (x * 1.5, -z * 1.5), (x * 0.75, -z * 0.75), color="white",
-        fontsize="small", arrowprops={"arrowstyle": "->", "color": "white"},
+        "to the sun", (x * 1.5, -z * 1.5), (x * 0.6, -z * 0.75), fontsize="small", bbox=box,
+        arrowprops={"arrowstyle": "->", "color": "white", "lw": 1.5},
     )  # fmt: skip
     left.set(xlabel="east (+X), km", ylabel="north (−Z), km", title="the plain from above")
 

@@ -10,6 +10,7 @@ PICTURE = re.compile(r"!\[([^\]]*)\]\(((?:\.\./)*(?:docs/)?[\w./-]+\.(?:png|svg)
 
 # Pictures whose script does not name them.
 OTHERWISE = {
+    "acute-zone": "examples/python/acute_zone.py",
     "evolved-eyes": "examples/python/evolve_eye.py",
     "flower-in-ultraviolet": "examples/python/flower_in_ultraviolet.py",
     "materials": "docs/make_material_figures.py",

@@ -177,6 +177,7 @@ NOT_RUN = {
     "python examples/localisation/localise.py": "minutes; test_localisation.py has it small",
     "python examples/python/corridor.py": "minutes; test_corridor_example.py has it small",
     "python examples/python/evolve_eye.py": "a minute; test_evolve_example.py has it small",
+    "python examples/python/acute_zone.py": "a minute; test_acute_zone_example.py has it small",
     "python examples/python/ppo_corridor.py": "minutes; test_ppo_example.py has it small",
     "python examples/python/t4t5.py": "minutes; test_t4t5_example.py has it small",
     "python examples/python/looming_and_target.py": "a minute; test_motion_example.py has it small",
