@@ -46,9 +46,8 @@ def main() -> None:
     figure = Figure(figsize=(9.2, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.35])
     km = SIZE_M / 2000
-    left.imshow(
-        omma.picture.display(0.45 * colours / np.quantile(colours, 0.995)), extent=(-km, km, -km, km)
-    )
+    picture = omma.picture.display(0.45 * colours / np.quantile(colours, 0.995))
+    left.imshow(picture, extent=(-km, km, -km, km))
     left.plot([-km, km], [-LINE_Z_M / 1000] * 2, color="white", lw=1)
     left.plot(0, 0, "o", ms=5, color="white", mec="black", mew=0.6)
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}

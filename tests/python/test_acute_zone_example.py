@@ -19,8 +19,9 @@ def example():
     return module
 
 
-def row_of(density, ratio, count=400, rim=np.radians(60)):
+def row_of(density, ratio, count=400):
     """Elevations and widths of a row whose axes have that density, to a factor."""
+    rim = np.radians(60)
     x = np.linspace(-rim, rim, 100_001)
     share = np.cumsum(density(x))
     share /= share[-1]
@@ -77,8 +78,8 @@ def test_an_acute_zone_is_learned(example):
     # The even row is 1.67 times the least; ten steps come within a third of it.
     assert error[0] > 1.6 * best
     assert error[1] < 1.35 * best
-    # Neighbours in the zone have come nearer, and see finer, by a third at least; the whole field is
-    # still looked at.
+    # Neighbours in the zone have come nearer, and see finer, by a third at least; the whole field
+    # is still looked at.
     angle = np.diff(elevation, axis=1)
     assert angle[-1, 28:31].mean() < 0.67 * angle[0, 28:31].mean()
     assert width[-1, 28:32].mean() < 0.67 * width[0, 28:32].mean()

@@ -275,7 +275,7 @@ def _shadow(discs: tuple[Disc, ...], depth: Floats, height_m: float) -> CloudSha
     # same cloud.
     apart = height_m * (1 / max(y, 1e-3) - _layer_distance(y)) if y > 0 else 0.0
     spacing = _SIDE / (_FINER * _CELLS) * height_m
-    return CloudShadow(depth, spacing, height_m, (apart * x, apart * z))
+    return CloudShadow(depth.astype(np.float32), spacing, height_m, (apart * x, apart * z))
 
 
 def _layer_distance(sine: Any) -> Any:
