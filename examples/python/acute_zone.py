@@ -18,8 +18,8 @@ n = 1/Δφ, ∫ p c s²/n² is then least for ∫ n = N at
 
     n ∝ p^(1/3),    error² = c s² (∫ p^(1/3) dx)³/N²,
 
-the power with which levels of a quantiser lie (Panter & Dite 1951, Proc IRE 39:44; Max 1960, IRE
-Trans Inf Theory 6:7).
+the power with which levels of a quantiser lie (Panter & Dite 1951, by the abstract of
+Max 1960, Quantizing for minimum distortion).
 
 python examples/python/acute_zone.py            60 steps, about a minute
 python examples/python/acute_zone.py OUT.png    and a figure
