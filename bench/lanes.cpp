@@ -25,7 +25,7 @@ namespace {
 BlockFunctions block_of(const std::string& build) {
   if (build == "baseline") return baseline::portable_block();
   if (build == "plain") return plain::portable_block();
-#if defined(OMMA_HAS_AVX2)
+#if defined(__x86_64__)
   if (build == "avx2" && has_avx2()) return avx2::portable_block();
   if (build == "avx512" && has_avx512()) return avx512::portable_block();
 #endif
@@ -45,6 +45,7 @@ Eye make_eye() {
     eye.focal_offset_m.push_back(0);
     eye.eye_id.push_back(0);
   }
+  validate_eye(eye);
   return eye;
 }
 
