@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 @value_class
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CloudShadow:
     """A level layer of clouds as it shades what lies below it from the sun and other discs.
 
