@@ -32,23 +32,6 @@ BlockFunctions block_of(const std::string& build) {
   throw Error("expected a build that runs on this processor, found " + build);
 }
 
-// 512 axes spread evenly over the sphere (a Fibonacci spiral), 3 degrees each.
-Eye make_eye() {
-  Eye eye;
-  constexpr int n = 512;
-  for (int i = 0; i < n; ++i) {
-    const double y = 1 - (2 * i + 1.0) / n, r = std::sqrt(1 - y * y);
-    const double turn = i * pi * (3 - std::sqrt(5.0));
-    eye.axis.push_back(to_float({r * std::cos(turn), y, r * std::sin(turn)}));
-    eye.position_m.push_back({});
-    eye.acceptance_angle_rad.push_back(static_cast<float>(3 * degree));
-    eye.focal_offset_m.push_back(0);
-    eye.eye_id.push_back(0);
-  }
-  validate_eye(eye);
-  return eye;
-}
-
 // A sky that is bright above and dim below, polarised, in three bands.
 Lighting sky() {
   Lighting lighting;
@@ -69,7 +52,7 @@ void render(const std::string& build, bool is_lit, int poses) {
   settings.backend = "portable";
   if (is_lit) settings.lighting = sky();
   const World world(setup.scene, settings);
-  const Eye eye = make_eye();
+  const Eye eye = even_eye(512);
   const DirectionTables directions = make_direction_tables(eye, {}, 16);
   const EyeArrays arrays = make_eye_arrays(eye, directions);
   const DirectionsView directions_view = view(directions);

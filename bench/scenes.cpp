@@ -84,6 +84,21 @@ Eye thousand_eye() {
   return load_eye(data + "/scenes/eyes/1000-equidistant.eye");
 }
 
+Eye even_eye(int n) {
+  Eye eye;
+  for (int i = 0; i < n; ++i) {
+    const double y = 1 - (2 * i + 1.0) / n, r = std::sqrt(1 - y * y);
+    const double turn = i * pi * (3 - std::sqrt(5.0));
+    eye.axis.push_back(to_float({r * std::cos(turn), y, r * std::sin(turn)}));
+    eye.position_m.push_back({});
+    eye.acceptance_angle_rad.push_back(static_cast<float>(3 * degree));
+    eye.focal_offset_m.push_back(0);
+    eye.eye_id.push_back(0);
+  }
+  validate_eye(eye);
+  return eye;
+}
+
 Eye sector(const Eye& eye, std::size_t n) {
   std::vector<std::size_t> order(eye.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -27,6 +27,8 @@ std::string data_folder();
 Eye bee_eye();
 // CompoundRay's eye of 1,000 ommatidia; needs the data.
 Eye thousand_eye();
+// So many axes spread evenly over the sphere (a Fibonacci spiral), 3 degrees each.
+Eye even_eye(int n);
 // One n-th of an eye, all ommatidia that look to the left of the middle: from the ground to the sky,
 // and each with its neighbours.
 Eye sector(const Eye& eye, std::size_t n);

@@ -84,6 +84,36 @@ def test_the_ground_is_lit_through_it():
     )
 
 
+# A layer that is the same everywhere dims all that a sun sends: straight, from wall to ground, by
+# paths, in what is baked and where the sun is looked up in its map.
+@pytest.mark.parametrize("kind", ["path", "exact", "map"])
+def test_an_even_layer_dims_all_light_alike(kind):
+    scene = omma.Scene(
+        meshes=[square(4, (0, 0, 0), (0, 1, 0)), square(4, (0, 2, -2), (0, 0, 1))],
+        materials=[matter(0.5)],
+    )
+    settings = {"lighting": "path"}
+    if kind != "path":
+        bake = omma.scene.Bake(paths=64, cache=False)
+        settings = {"lighting": "baked", "bake": bake, "sun": kind}
+    sun = omma.light.Disc((0.2, 0.7, 0.7), 0.005, [1e4] * 3)
+    eye = eyes_at((0, 0, 0), [(0, -1, 0), (0.3, -0.6, -1), (0.1, 0.2, -1), sun.direction])
+    pose = np.eye(4)
+    pose[:3, 3] = 0.3, 1, 0.5
+
+    def seen(shadow):
+        light = omma.light.Light(FEW, discs=[sun], cloud_shadow=shadow)
+        world = omma.World(scene, light=light, **settings)
+        return omma.Renderer(world, eye, omma.Fixed(64)).render(pose)[0]
+
+    even = CloudShadow(np.full((2, 2), 0.7), 100, 500)
+    plain = seen(None)
+    assert plain.min() > 0
+    # Baked light is kept in 16 bits.
+    wanted = np.exp(-0.7 / sun.direction[1])
+    np.testing.assert_allclose(seen(even) / plain, wanted, rtol=1e-5 if kind == "path" else 2e-3)
+
+
 class TestOfASky:
     @pytest.mark.parametrize("kind", ["cumulus", "cirrus"])
     def test_the_sun_is_behind_the_cloud_that_the_sky_shows_before_it(self, kind):

@@ -1,8 +1,8 @@
 // Scenes and eyes: those that come with the page, and files of the user's, which are read here and
 // go nowhere.
 
-/** The largest files that the page takes: the engine's memory ends at 2 GiB, of which a scene needs
- * several times the size of its file. */
+/** The largest files that the page takes: the engine's memory ends at 4 GiB, of which a scene needs
+ * several times the size of its file. Chosen, not measured. */
 export const MOST_BYTES = { scene: 256 * 2 ** 20, eye: 128 * 2 ** 20 };
 const ENDINGS = { scene: ['.glb', '.gltf'], eye: ['.eye', '.csv'] };
 

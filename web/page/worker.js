@@ -13,8 +13,6 @@ let settings = { rays: 4, seed: 0, receptors: false, widths: 1 };
 let projected = null; // { kind, width, height }
 
 const free = (handle) => handle?.delete();
-// What the engine hands out may be a view of its memory, which moves as that grows.
-const own = (numbers) => numbers.slice();
 
 const requests = {
   async start({ kind }) {
@@ -77,7 +75,7 @@ const requests = {
     const made = omma.make_projection(seeing, kind, width, height);
     try {
       projected = { kind, width, height };
-      return { ...projected, ids: own(made.pixels()) };
+      return { ...projected, ids: made.pixels() };
     } finally {
       free(made);
     }
@@ -85,7 +83,7 @@ const requests = {
 
   render({ pose, frame }) {
     const before = performance.now();
-    const responses = byName(own(renderer.render(pose, frame)));
+    const responses = byName(renderer.render(pose, frame));
     return { responses, milliseconds: performance.now() - before, memory: omma.memory_bytes() };
   },
 
@@ -93,7 +91,7 @@ const requests = {
   errors({ pose }) {
     const exact = rendererOf(world, seeing, settings, true);
     try {
-      return { responses: byName(own(exact.render(pose, 0))), errors: byName(own(exact.error())) };
+      return { responses: byName(exact.render(pose, 0)), errors: byName(exact.error()) };
     } finally {
       free(exact);
     }
@@ -130,17 +128,13 @@ function byName(values) {
 }
 
 function axesOf() {
-  return { axes: own(seeing.axes()), acceptance: own(seeing.acceptance_rad()) };
+  return { axes: seeing.axes(), acceptance: seeing.acceptance_rad() };
 }
 
 function drawnOf(found) {
-  const copied = (one) => {
-    const numbers = Object.entries(one).filter(([, value]) => ArrayBuffer.isView(value));
-    return { ...one, ...Object.fromEntries(numbers.map(([name, value]) => [name, own(value)])) };
-  };
-  const parts = Array.from(found.parts(), copied);
+  const parts = found.parts();
   const used = [...new Set(parts.map(({ image }) => image))].filter((image) => image >= 0);
-  return { parts, images: new Map(used.map((image) => [image, copied(found.image(image))])) };
+  return { parts, images: new Map(used.map((image) => [image, found.image(image)])) };
 }
 
 // Requests wait for each other: loading the engine takes its time.

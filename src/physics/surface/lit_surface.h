@@ -166,7 +166,8 @@ OMMA_HD_CALLED void eval_lit_surfaces(const SceneView& scene, const Packet<L>& p
     const auto direction = load_vector<F>(packet.rays.direction, l);
     const Vector3<F> geometric = select(dot(facing, direction) > 0.0f, opposite(facing), facing);
     ShadingNormals<F> normals{geometric, geometric};
-    if (mesh.normals != nullptr || mesh.normal_uv != nullptr || mesh.factors != nullptr) {
+    const bool maps_coat = mesh.factors != nullptr && mesh.factors->coat_normal.texture >= 0;
+    if (mesh.normals != nullptr || mesh.normal_uv != nullptr || maps_coat) {
       F m[3][4];
       load_frames(scene, hits, l, is_member, m);
       normals = eval_shading_normals(scene, mesh, m, p, geometric);
