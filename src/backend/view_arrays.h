@@ -198,11 +198,16 @@ void visit_arrays(EmissiveView& view, Visit& visit) {
 }
 
 template <typename Visit>
+void visit_arrays(CloudShadowView& view, Visit& visit) {
+  visit(view.optical_depth, {view.rows, view.columns});
+}
+
+template <typename Visit>
 void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.sky, visit, view.bands);
   visit(view.extinction_per_m, {view.bands});
   visit.views(view.discs, {view.disc_count}, view.bands);
-  visit(view.clouds.optical_depth, {view.clouds.rows, view.clouds.columns});
+  visit_arrays(view.clouds, visit);
   visit.views(view.lamps, {view.lamp_count}, view.bands);
   visit(view.lamp_sum, {view.lamp_count + 1});
   visit(view.lamp_origin_m, {3}, placed);
