@@ -122,7 +122,7 @@ bool parse(std::string_view text, int shift, T& value) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   const std::string whole = shifted(text, shift);
   const char* last = whole.data() + whole.size();
-  const auto [end, error] = from_chars(whole.data(), last, value);
+  const auto [end, error] = omma::from_chars(whole.data(), last, value);
   return error == std::errc{} && end == last && !whole.empty();
 }
 
@@ -130,7 +130,8 @@ template <typename T>
 std::string shortest(T value, int shift) {
   std::array<char, 40> buffer{};
   const auto written =
-      to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific);
+      omma::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                     std::chars_format::scientific);
   const std::string_view text(buffer.data(), static_cast<std::size_t>(written.ptr - buffer.data()));
   const std::size_t e = text.find('e');
   if (e == std::string_view::npos) return std::string(text);  // inf, nan

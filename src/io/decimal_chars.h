@@ -1,5 +1,6 @@
 // std::from_chars and std::to_chars of floating-point numbers, and the same by the C library where
-// the standard one does not have them (libc++ before version 20).
+// the standard one does not say that it has them (libc++). To be called as omma::, as arguments of
+// the standard library's types would find its own as well.
 #pragma once
 
 #include <cctype>

@@ -80,7 +80,7 @@ std::string degrees_text(T angle_rad) {
   for (int digits = 4; digits <= 17; ++digits) {
     std::array<char, 40> buffer{};
     const auto written =
-        to_chars(buffer.data(), buffer.data() + buffer.size(),
+        omma::to_chars(buffer.data(), buffer.data() + buffer.size(),
                  static_cast<double>(angle_rad) / degree, std::chars_format::general, digits);
     std::string text(buffer.data(), written.ptr);
     double read = 0;

@@ -104,7 +104,7 @@ class LineReader {
     const bool plus = word.front() == '+' && word.size() > 1 && word[1] != '-';
     double value = 0;
     const auto [end, error] =
-        from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), value);
+        omma::from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), value);
     if (error == std::errc::result_out_of_range && end == word.data() + word.size())
       fail(column, "the number is out of range: " + quoted(word));
     if (error != std::errc{} || end != word.data() + word.size())
@@ -220,7 +220,7 @@ std::string eye_file_text(const Eye& eye, double metres_per_unit) {
     for (std::size_t column = 0; column < values.size(); ++column) {
       // Nine significant digits tell every float from its neighbours. Adding 0 makes -0 plain 0.
       std::array<char, 32> buffer{};
-      const auto written = to_chars(buffer.data(), buffer.data() + buffer.size(),
+      const auto written = omma::to_chars(buffer.data(), buffer.data() + buffer.size(),
                                     values[column] + 0.0, std::chars_format::general, 9);
       text.append(buffer.data(), written.ptr);
       text += column + 1 < values.size() ? ' ' : '\n';
