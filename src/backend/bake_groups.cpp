@@ -31,7 +31,7 @@ constexpr double cells_of_median = 4;
 
 // Cells that are better than this, as a fraction of their light, get no more paths.
 constexpr double fine_error = 0.02;
-constexpr int least_paths = 8, most_paths = 4096;  // of a half, after the first pass
+constexpr int least_paths = 4, most_paths = 4096;  // of a half, after the first pass
 
 struct Key {
   std::uint64_t group, region;

@@ -130,6 +130,7 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
     read_baked(*lighting.baked, *lit->light, frames, lit->baked);
     view.light = &lit->baked.left_out;
     view.baked = &lit->baked.view;
+    if (lit->baked.view.errors != nullptr) view.all_lights = &lit->light->view;
   }
   return lit;
 }

@@ -234,6 +234,7 @@ void visit_arrays(SceneView& view, Visit& visit) {
   visit.views(view.splats, {1}, now.placed);
   visit(view.band_from_rgb, {view.bands, 3}, view.bands_version);
   visit.views(view.light, {1}, now.placed);
+  visit.views(view.all_lights, {1}, now.placed);
   visit.views(view.scatter, {view.material_count}, view.bands);
   visit(view.specular_albedo, {view.albedo_table_count, albedo_floats});
   visit(view.coat_albedo, {albedo_floats});

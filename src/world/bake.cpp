@@ -25,7 +25,7 @@ namespace {
 constexpr int most_paths = 65536;
 // Paths of both halves for a side of a cell, in the mean, where none are asked for; small scenes have
 // so many for all sides together.
-constexpr double paths_of_side = 16, paths_of_small_scenes = 1 << 26;
+constexpr double paths_of_side = 12, paths_of_small_scenes = 1 << 26;
 // One of so many paths goes to the first pass.
 constexpr double paths_of_first = 6;
 constexpr int most_first = 32;

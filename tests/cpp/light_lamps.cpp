@@ -15,7 +15,8 @@ double irradiance(const PunctualLight& lamp, Vec3d at) {
   scene.lights = {lamp};
   const auto lit = lit_scene(scene, watts_alone());
   EXPECT_EQ(lit->light->view.lamp_probability, 1);
-  const LightSample sample = sample_near_light(lit->view, to_float(at), 0.5f, 0.5f, 0.5f);
+  const LightSample sample =
+      sample_near_light(lit->view, *lit->view.light, to_float(at), 0.5f, 0.5f, 0.5f);
   if (!(sample.pdf > 0)) return 0;
   EXPECT_TRUE(sample.is_delta);
   return radiance_of(*lit, sample) / static_cast<double>(sample.pdf);
@@ -68,7 +69,7 @@ TEST(Lamps, DirectionalOnesAreEverywhere) {
   Scene scene;
   scene.lights = {lamp};
   const auto lit = lit_scene(scene, watts_alone());
-  const LightSample sample = sample_near_light(lit->view, {-3, 4, 5}, 0.2f, 0, 0);
+  const LightSample sample = sample_near_light(lit->view, *lit->view.light, {-3, 4, 5}, 0.2f, 0, 0);
   EXPECT_NEAR(sample.direction.y, 1, 1e-6);
   EXPECT_EQ(sample.distance_m, INFINITY);
   EXPECT_NEAR(irradiance(lamp, {-3, 4, 5}), 1, 1e-6);
@@ -83,7 +84,7 @@ TEST(Lamps, CandelasOfColour) {
   Light light;
   light.bands = {{450, 550, 650}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const auto lit = lit_scene(scene, light);
-  const LightSample sample = sample_near_light(lit->view, {0, 2, 0}, 0.5f, 0, 0);
+  const LightSample sample = sample_near_light(lit->view, *lit->view.light, {0, 2, 0}, 0.5f, 0, 0);
   std::vector<float> out(9, 1.0f);
   eval_light_sample(lit->view, sample, 3, out.data(), 1, 3);
   const auto per_lumen = primaries_per_lumen(light.bands, light.unit);

@@ -92,7 +92,7 @@ inline LightSample light_at(const LitScene& lit, Vec3 position, Random& random) 
   };
   const float near = 1 - lit.light->view.far_probability;
   const float choice = uniform() * near, u0 = uniform(), u1 = uniform();
-  return sample_near_light(lit.view, position, choice, u0, u1);
+  return sample_near_light(lit.view, *lit.view.light, position, choice, u0, u1);
 }
 
 inline double radiance_of(const LitScene& lit, const LightSample& sample) {

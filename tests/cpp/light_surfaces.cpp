@@ -116,8 +116,8 @@ TEST(ShiningSquare, DensityOfWhatARayMeetsIsThatOfSampling) {
       ASSERT_EQ(sample.kind, LightKind::surface);
       ++of_surface[sample.index];
       if (!(sample.pdf > 0)) continue;
-      EXPECT_NEAR(met_light_pdf(lit->view, sample.index, sample.triangle, position,
-                                sample.direction, sample.distance_m) /
+      EXPECT_NEAR(met_light_pdf(lit->view, view, {sample.index, sample.triangle, sample.distance_m},
+                                position, sample.direction) /
                       sample.pdf,
                   1, 1e-5);
       // The place on the triangle is where the direction leads.

@@ -24,22 +24,29 @@ struct LightSample {
   float scale = 1;                      // of a lamp's strength
 };
 
+// A triangle that a ray met, of an instance of the scene.
+struct MetTriangle {
+  std::int32_t instance, triangle;
+  float distance_m;
+};
+
 // Probability per solid angle with which sample_near_light gives the direction in which a ray from
-// `position` has met a surface, `distance_m` away; 0 where the surface is not one that is sampled.
-OMMA_HD float met_light_pdf(const SceneView& scene, std::int32_t instance, std::int32_t triangle,
-                            Vec3 position, Vec3 direction, float distance_m) {
-  const LightView& light = *scene.light;
+// `position` has met a triangle; 0 where it is not one that is sampled.
+OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, const MetTriangle& met,
+                            Vec3 position, Vec3 direction) {
   if (light.emissive_count == 0) return 0.0f;
-  const std::int32_t index = light.emissive_of_instance[instance];
+  const std::int32_t index = light.emissive_of_instance[met.instance];
   if (index < 0) return 0.0f;
   const EmissiveView& emissive = light.emissive[index];
   const float chosen = light.emissive_probability *
                        (light.emissive_sum[index + 1] - light.emissive_sum[index]) *
-                       (emissive.triangle_sum[triangle + 1] - emissive.triangle_sum[triangle]);
+                       (emissive.triangle_sum[met.triangle + 1] -
+                        emissive.triangle_sum[met.triangle]);
   if (!(chosen > 0.0f)) return 0.0f;
-  const LightTriangle seen = see_triangle(scene, instance, emissive.mesh, triangle, position);
+  const LightTriangle seen =
+      see_triangle(scene, met.instance, emissive.mesh, met.triangle, position);
   if (!shines_towards(scene, emissive.mesh, seen, direction)) return 0.0f;
-  return chosen * seen_triangle_pdf(seen, direction, distance_m);
+  return chosen * seen_triangle_pdf(seen, direction, met.distance_m);
 }
 
 OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
@@ -60,9 +67,8 @@ OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u)
   return sample;
 }
 
-OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float u, float u0,
-                                    float u1) {
-  const LightView& light = *scene.light;
+OMMA_HD LightSample sample_surfaces(const SceneView& scene, const LightView& light, Vec3 position,
+                                    float u, float u0, float u1) {
   const std::int32_t index = find_in_sum(light.emissive_sum, light.emissive_count, u);
   const EmissiveView& emissive = light.emissive[index];
   const float within = within_part(light.emissive_sum, index, u);
@@ -88,15 +94,14 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, Vec3 position, float
 
 // Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability
 // of light from afar.
-OMMA_HD LightSample sample_near_light(const SceneView& scene, Vec3 position, float left, float u0,
-                                      float u1) {
-  const LightView& light = *scene.light;
+OMMA_HD LightSample sample_near_light(const SceneView& scene, const LightView& light, Vec3 position,
+                                      float left, float u0, float u1) {
   constexpr float below_1 = 0x1.fffffep-1f;
   if (left < light.lamp_probability)
     return sample_lamps(light, position, fminf(left / light.lamp_probability, below_1));
   if (light.emissive_probability > 0.0f) {
     const float u = (left - light.lamp_probability) / light.emissive_probability;
-    return sample_surfaces(scene, position, fminf(fmaxf(u, 0.0f), below_1), u0, u1);
+    return sample_surfaces(scene, light, position, fminf(fmaxf(u, 0.0f), below_1), u0, u1);
   }
   return {};
 }

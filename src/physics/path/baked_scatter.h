@@ -21,6 +21,32 @@ OMMA_HD F gloss_survival(F largest, I scatterings) {
   return survival < bound ? survival : bound;
 }
 
+// A cell that may be off by more than this on either side, as a fraction of its light, is not read
+// where the eye sees it. In rooms and on open ground most are better, among leaves few are.
+inline constexpr float coarse_error = 0.2f;
+
+// Of some lanes those whose surfaces' light is read: all but those that the eye itself sees in
+// coarse cells. There the path goes on as if nothing were baked, and reads what it meets next
+// (final gathering): what errs is then the mean of many cells, and of the light between surfaces
+// alone.
+template <typename L, typename Search>
+OMMA_HD LaneMask<L> find_read(const Flight<L, Search>& flight, const BakedLookup<L>& found,
+                                 LaneMask<L> lanes) {
+  const BakedView& baked = *flight.scene.baked;
+  if (flight.scene.all_lights == nullptr || flight.state.gathers) return lanes;
+  LaneMask<L> coarse;
+  lanes.for_each([&](int l) {
+    if (found.cell[l] == nullptr || flight.state.scatterings[l] > 0) return;
+    const std::ptrdiff_t cell = (found.cell[l] - baked.values) / (2 * flight.scene.bands);
+    for (int side = 0; side < 2; ++side) {
+      const CellError& error = baked.errors[2 * cell + side];
+      const float own = decode_error(error.own), shared = decode_error(error.shared);
+      if (own * own + shared * shared > coarse_error * coarse_error) coarse.add(l);
+    }
+  });
+  return lanes & ~coarse;
+}
+
 // Adds what the diffuse lobes of some lanes' surfaces send to the eye: no light is sampled for
 // them.
 template <typename L, typename Search>

@@ -30,16 +30,17 @@ struct LightSamples {
   alignas(n * 4) float is_delta[n];      // 1 for lamps, which no path meets
   alignas(n * 4) float distance_m[n];
   LaneMask<L> from_afar, near;  // lanes with light from the sky and discs, and with other light
+  bool has_sky = false;         // whether that from afar may be the sky's
   SkyLookups<L> on_sky;         // of those from afar
   LightSample other[n];         // of those that are near
 };
 
 template <typename L, typename Search>
-OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
-                                  LaneMask<L> scattering, LightSamples<L>& lights) {
+OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightView& light,
+                                  const HitGeometry<L>& geometry, LaneMask<L> scattering,
+                                  LightSamples<L>& lights) {
   using F = typename L::F;
   constexpr int n = L::count;
-  const LightView& light = *flight.scene.light;
   const Packet<L>& packet = flight.packet;
   const PathState<L>& state = flight.state;
   for (int l = 0; l < n; l += L::width) {
@@ -49,6 +50,7 @@ OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const HitGeom
     store(lights.distance_m + l, broadcast<F>(INFINITY));
   }
   lights.from_afar = lights.near = {};
+  lights.has_sky = light.sky.probability > 0.0f;
   const bool has_near = light.lamp_probability > 0.0f || light.emissive_probability > 0.0f;
   if (!has_near && !(light.far_probability > 0.0f)) return;
 
@@ -68,15 +70,15 @@ OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const HitGeom
 
   // The sky and its discs: all lanes at once.
   sample_far<L>(light, u0, u1, lights.from_afar, lights.direction);
-  if (light.sky.probability > 0.0f)
+  if (lights.has_sky)
     find_far<L>(light, lights.direction, lights.from_afar, lights.on_sky);
   find_far_pdf<L>(light, lights.direction, lights.on_sky, lights.from_afar, lights.density);
-  if (light.sky.probability > 0.0f)
+  if (lights.has_sky)
     choose_nodes<L>(packet, state, Choice::place_on_light, lights.on_sky);
 
   // Lamps and surfaces that shine: lane by lane.
   lights.near.for_each([&](int l) {
-    const LightSample sample = sample_near_light(flight.scene, vec_at(geometry.position, l),
+    const LightSample sample = sample_near_light(flight.scene, light, vec_at(geometry.position, l),
                                                  which[l] - light.far_probability, u0[l], u1[l]);
     lights.other[l] = sample;
     store_vector(lights.direction, l, vector_of(sample.direction));
@@ -135,10 +137,10 @@ OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const HitGeomet
   const LightView& light = *scene.light;
   const int components = flight.components(), stride = flight.stride();
   float* const arriving = flight.memory.light;
-  const bool has_sky = light.sky.probability > 0.0f;
   const LaneMask<L> far_seen = seen & lights.from_afar;
   eval_sky_lanes<L>(
-      light, {lights.direction, lights.on_sky, has_sky ? far_seen : LaneMask<L>{}, far_seen, true},
+      light,
+      {lights.direction, lights.on_sky, lights.has_sky ? far_seen : LaneMask<L>{}, far_seen, true},
       components, arriving);
   (seen & lights.near).for_each([&](int l) {
     eval_light_sample(scene, lights.other[l], components, arriving + l, L::count, stride);
@@ -170,7 +172,7 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
       });
   if (!asked.any()) return;
   const SkyView& sky = scene.light->sky;
-  const LaneMask<L> from_sky = sky.probability > 0.0f ? asked & lights.from_afar : LaneMask<L>{};
+  const LaneMask<L> from_sky = lights.has_sky ? asked & lights.from_afar : LaneMask<L>{};
   if (from_sky.any())
     fetch_sky_nodes<L>(sky, from_sky, scene.polarized ? from_sky : LaneMask<L>{}, lights.on_sky);
 
@@ -190,14 +192,15 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   add_light(flight, visible, flight.packet.reference, flight.memory.light);
 }
 
-// Samples a light for the surface of each of some lanes, and adds what it sends to the eye.
+// Samples one of the lights for the surface of each of some lanes, and adds what it sends to the
+// eye.
 template <typename L, typename Search>
-OMMA_HD_CALLED void add_light_samples(const Flight<L, Search>& flight,
+OMMA_HD_CALLED void add_light_samples(const Flight<L, Search>& flight, const LightView& light,
                                       const HitGeometry<L>& geometry,
                                       const ScatteringPacket<L>& points, LaneMask<L> scattering) {
   LightSamples<L> lights;
   Scattered<L> scattered;
-  sample_lights(flight, geometry, scattering, lights);
+  sample_lights(flight, light, geometry, scattering, lights);
   scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, scattered);
   add_direct_light(flight, geometry, lights, scattered, scattering);
 }

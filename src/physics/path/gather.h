@@ -168,7 +168,7 @@ OMMA_HD void add_shining(const Flight<L, Search>& flight, const GatherPoints<L>&
     const auto which = path_pair(receiver.hash, at.of.sample[l], choice_of_shining);
     const auto on = path_pair(receiver.hash, at.of.sample[l], choice_on_shining);
     const LightSample sample =
-        sample_surfaces(scene, vec_at(at.geometry.position, l), which.x, on.x, on.y);
+        sample_surfaces(scene, *scene.light, vec_at(at.geometry.position, l), which.x, on.x, on.y);
     cosine[l] = dot(vec_at(at.normal, l), sample.direction);
     float facing = dot(vec_at(at.geometry.normal, l), sample.direction);
     if (receiver.mesh >= 0 && receiver.is_back) facing = -facing;

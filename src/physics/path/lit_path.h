@@ -86,6 +86,8 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
     const I scatterings = load<I>(state.scatterings + l);
     store(state.scatterings + l, is ? scatterings + 1 : scatterings);
     store(state.density + l, is ? load<F>(sample.density + l) : load<F>(state.density + l));
+    const I one = scatterings * 0 + 1, before = load<I>(state.sampled_all + l);
+    store(state.sampled_all + l, is ? keep(sample.by_all_lights.at(l), one) : before);
     store(packet.footprint_rad + l, is ? F{} : load<F>(packet.footprint_rad + l));
   }
   scattered.for_each([&](int l) {
@@ -189,18 +191,21 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
       scene.has_blend ? choose_let_by(packet, state, surface, met) : LaneMask<L>{};
   on = scene.depth > 0 ? met & (by | ~at_full_depth(scene, state)) : met;
   const LaneMask<L> scattering = on & ~by;
-  if (is_baked) eval_baked(flight, baked, geometry, surface, scattering);
+  const LaneMask<L> reads = is_baked ? find_read(flight, baked, scattering) : LaneMask<L>{};
+  if (reads.any()) eval_baked(flight, baked, geometry, surface, reads);
   ScatteringPacket<L> points;
-  make_scattering(flight, surface, points);
+  make_scattering(flight, surface, reads, points);
   if (has_air(scene)) pass_air(flight, surface, points, met);
   if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Next-event estimation.
-  add_light_samples(flight, geometry, points, scattering);
+  const LaneMask<L> by_all = scattering & points.by_all_lights;
+  add_light_samples(flight, *scene.light, geometry, points, scattering & ~by_all);
+  if (by_all.any()) add_light_samples(flight, *scene.all_lights, geometry, points, by_all);
 
   // Light that was baked, in place of what diffuse lobes would find.
-  if (is_baked) add_baked(flight, points, scattering);
-  if (flight.cell_errors != nullptr) add_cell_errors(flight, points, baked, scattering);
+  if (reads.any()) add_baked(flight, points, reads);
+  if (reads.any() && flight.cell_errors != nullptr) add_cell_errors(flight, points, baked, reads);
 
   // Sample the surface; throughput, roulette, the next rays.
   return scatter_paths(flight, on, by, geometry, points);

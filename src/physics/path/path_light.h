@@ -130,7 +130,8 @@ OMMA_HD_CALLED void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes,
   using F = typename L::F;
   using I = typename L::I;
   constexpr int n = L::count;
-  const LightView& light = *flight.scene.light;
+  const SceneView& scene = flight.scene;
+  const LightView& light = *scene.light;
   const PathState<L>& state = flight.state;
   const Packet<L>& packet = flight.packet;
   float* const arriving = flight.memory.light;
@@ -141,7 +142,9 @@ OMMA_HD_CALLED void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes,
       state.gathers
           ? lanes & lanes_where<L>([&](int l) { return load<I>(state.scatterings + l) > 0; })
           : lanes;
-  if (by_chance.any()) find_far_pdf<L>(light, direction, far.on_sky, by_chance, pdf);
+  const LaneMask<L> of_all = by_chance & having_sampled_all(scene, state);
+  if (by_chance.any()) find_far_pdf<L>(light, direction, far.on_sky, by_chance & ~of_all, pdf);
+  if (of_all.any()) find_far_pdf<L>(*scene.all_lights, direction, far.on_sky, of_all, pdf);
   eval_sky_lanes<L>(light, {direction, far.on_sky, lanes, keeps, far.at_nodes}, flight.components(),
                     arriving);
   alignas(n * 4) float acceptance_sr[n];
@@ -164,6 +167,7 @@ OMMA_HD_CALLED void add_emission(const Flight<L, Search>& flight, const Hits<L>&
   const SceneView& scene = flight.scene;
   const PathState<L>& state = flight.state;
   const RayPacket<L::count>& rays = flight.packet.rays;
+  const LaneMask<L> of_all = having_sampled_all(scene, state);
   alignas(L::count * 4) float weight[L::count] = {};
   bool any = false;
   lanes.for_each([&](int l) {
@@ -172,9 +176,10 @@ OMMA_HD_CALLED void add_emission(const Flight<L, Search>& flight, const Hits<L>&
     weight[l] = surface.alpha[l];
     if (!is_from_eye(state.density[l]))
       weight[l] *=
-          balance(state.density[l], met_light_pdf(scene, hits.instance[l], int_of(rays.triangle[l]),
-                                                  vec_at(rays.origin, l), vec_at(rays.direction, l),
-                                                  rays.t_far_m[l]));
+          balance(state.density[l],
+                  met_light_pdf(scene, of_all.has(l) ? *scene.all_lights : *scene.light,
+                                {hits.instance[l], int_of(rays.triangle[l]), rays.t_far_m[l]},
+                                vec_at(rays.origin, l), vec_at(rays.direction, l)));
     any = true;
   });
   if (any) add_light<L>(flight, weight, nullptr, flight.memory.emission);

@@ -33,6 +33,8 @@ struct PathState {
   alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
   alignas(n * 4) std::int32_t scatterings[n];
   alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
+  // Whether the last surface sampled SceneView::all_lights, 0 or 1; read where there are such.
+  alignas(n * 4) std::int32_t sampled_all[n];
   float seen_m[n];                        // up to where along the ray splats have been seen
   // Whether rays begin at a surface and gather what scattered light comes there: they see neither
   // discs nor what shines until they have met another surface.
@@ -46,7 +48,7 @@ OMMA_HD void reset_paths(const SceneView& scene, PathState<L>& state, const Path
   for (int i = 0; i < scene.bands * n; ++i) memory.throughput[i] = 1;
   for (int l = 0; l < n; ++l) {
     state.density[l] = INFINITY;
-    state.scatterings[l] = state.flight[l] = 0;
+    state.scatterings[l] = state.flight[l] = state.sampled_all[l] = 0;
     state.seen_m[l] = 0;
   }
   if (!scene.polarized) return;
@@ -69,6 +71,13 @@ OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
   Mueller3<typename L::F> m;
   for (int k = 0; k < 9; ++k) m.m[k / 3][k % 3] = load<typename L::F>(state.mueller[k] + l);
   return m;
+}
+
+// Lanes of which the last surface sampled all lights, though others read baked light.
+template <typename L>
+OMMA_HD LaneMask<L> having_sampled_all(const SceneView& scene, const PathState<L>& state) {
+  if (scene.all_lights == nullptr) return {};
+  return lanes_where<L>([&](int l) { return load<typename L::I>(state.sampled_all + l) != 0; });
 }
 
 // Whether of light that arrives at a path's end more than I counts: not where a diffuse surface

@@ -16,7 +16,7 @@ struct WaitingPaths {
   alignas(aligned) float origin[3][capacity], direction[3][capacity], density[capacity];
   alignas(aligned) float reference[3][capacity], mueller[9][capacity];  // where light is polarised
   alignas(aligned) std::int32_t hash[capacity], sample[capacity],
-      scatterings[capacity], flight[capacity];
+      scatterings[capacity], flight[capacity], sampled_all[capacity];
   alignas(aligned) std::int32_t ray[capacity];  // where its radiance goes
   float* throughput = nullptr;             // [band][capacity]
 };
@@ -34,6 +34,7 @@ OMMA_HD void for_each_number(bool polarized, WaitingPaths<L>& waiting, Packet<L>
   move(waiting.sample, packet.sample);
   move(waiting.scatterings, state.scatterings);
   move(waiting.flight, state.flight);
+  move(waiting.sampled_all, state.sampled_all);
   if (!polarized) return;
   for (int r = 0; r < 3; ++r) move(waiting.reference[r], packet.reference[r]);
   for (int k = 0; k < 9; ++k) move(waiting.mueller[k], state.mueller[k]);

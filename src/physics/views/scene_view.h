@@ -180,6 +180,8 @@ struct SceneView {
   // Light that was found before; null: all light is followed along paths. Where it is set, `light`
   // samples only what it leaves out.
   const BakedView* baked = nullptr;
+  // All that shines, for surfaces whose baked light is not read; null: all are read.
+  const LightView* all_lights = nullptr;
   // How much of the sun, then the one disc, surfaces see; null: shadow rays find out.
   const SunMapView* sun_map = nullptr;
 
