@@ -48,6 +48,7 @@ LEFT = {
 # Without a call that works: these want what only other parts of the tests make.
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
+    "jax_responses": "JAX (test_jax_responses)",
     "torch_dataset": "PyTorch (test_torch)",
     "torch_render_stream": "PyTorch (test_torch)",
     "torch_renders": "PyTorch (test_torch)",
