@@ -59,6 +59,7 @@ WITHOUT = {
     "eye_env": "a loop (test_gym)",
     "eye_vector_env": "a loop (test_gym)",
     "FlyRetina": "a simulation of FlyGym",
+    "PictureRetina": "FlyGym's map of hexagons (test_mujoco_retina)",
     "camera": "a model of MuJoCo (test_mujoco)",
     "fly_eye": "FlyGym's map of hexagons (test_mujoco_retina)",
     "head_pose": "a model of MuJoCo (test_mujoco)",
