@@ -615,13 +615,14 @@ def public_calls(folder):
             **of_stimulus, "pixels": (0.0,), "move": (arena.world(), 0.1),
             "play": (omma.Renderer(arena.world(), eye), [0.0]),
         }),
-        "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1), {
+        "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1, footprints=False), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
             "ground_truth": (pose,), "with_world": (omma.World(scene),),
             "jacobian": (pose,), "jvp": (pose, {"axis": np.zeros((24, 3))}),
-            "vjp": (pose, np.zeros((1, 24, 3))),
+            "vjp": (pose, np.zeros((1, 24, 3))), "color_jacobian": (pose, 0),
+            "background_vjp": (pose, np.zeros((1, 24, 3)), (4, 8)),
         }),
         "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
             "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),
