@@ -621,7 +621,7 @@ def public_calls(folder):
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
             "ground_truth": (pose,), "with_world": (omma.World(scene),),
             "jacobian": (pose,), "jvp": (pose, {"axis": np.zeros((24, 3))}),
-            "vjp": (pose, np.zeros((1, 24, 3))), "color_jacobian": (pose, 0),
+            "vjp": (pose, np.zeros((1, 24, 3))), "color_jacobian": (pose, "background"),
             "background_vjp": (pose, np.zeros((1, 24, 3)), (4, 8)),
         }),
         "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
