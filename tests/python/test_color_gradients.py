@@ -13,24 +13,33 @@ MATRIX = np.random.default_rng(3).uniform(0, 1, (5, 3))
 POSES = omma.poses_from_angles([(0, 1, 0), (1, 1.5, 2)], [(0, 0, 0), (120, -20, 10)])
 
 
-def meadow_with_glass():
-    """The meadow, with cut-outs and textures, and a sheet in it that lets half through."""
-    glass = omma.scene.Material(
-        "glass", base_color=(0.3, 0.6, 0.9, 0.5), alpha_mode="blend", double_sided=True
-    )
-    corners = [(-3, 0, -1), (3, 0, -1), (3, 2, -1), (-3, 2, -1)]
-    sheet = omma.scene.Mesh(corners, [(0, 1, 2), (0, 2, 3)], material=0)
-    return omma.scene.merge_scenes(
-        [
-            omma.load_scene(omma.examples.meadow()),
-            omma.Scene(meshes=[sheet], materials=[glass]),
-        ]
-    )
+def sheets():
+    """Before a wall with a picture, of colours at its corners, leaves whose image cuts them out,
+    and a sheet that lets half through; above and beside them is nothing."""
+    picture = np.random.default_rng(5).uniform(0, 1, (16, 16, 4)).astype(np.float32)
+    material = omma.scene.Material
+    materials = [
+        material("wall", base_color=(0.5, 0.4, 0.3, 1), base_color_texture=0, double_sided=True),
+        material("leaves", base_color_texture=0, alpha_mode="mask", double_sided=True),
+        material("glass", base_color=(0.3, 0.6, 0.9, 0.5), alpha_mode="blend", double_sided=True),
+    ]
+    corners = np.array([(-3, 0, 0), (3, 0, 0), (3, 2, 0), (-3, 2, 0)], float)
+    tints = np.random.default_rng(6).uniform(0, 1, (4, 4))
+    meshes = [
+        omma.scene.Mesh(
+            corners + (0, 0, -3 + k), [(0, 1, 2), (0, 2, 3)], material=k, colors=tints,
+            texture_coordinates=corners[:, :2],
+        )
+        for k in range(3)
+    ]  # fmt: skip
+    textures = [omma.scene.Texture(0)]
+    images = [omma.scene.Image(picture)]
+    return omma.Scene(meshes=meshes, materials=materials, textures=textures, images=images)
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return meadow_with_glass()
+    return sheets()
 
 
 @pytest.mark.parametrize("band_from_rgb", [None, MATRIX])
@@ -60,11 +69,11 @@ def test_what_was_set_and_what_gives_off_light_stays(scene):
     """Colours that a world was given come back, and light of materials takes no part."""
     world = omma.World(scene)
     renderer = omma.Renderer(world, EYE, omma.Fixed(4))
-    plain = renderer.color_jacobian("bee", ["ground", "glass"])
-    world.set_color("ground", (0.9, 0.1, 0.2), emissive=(0.1, 0.5, 0.2))
-    before = renderer.render("bee")
-    assert np.array_equal(renderer.color_jacobian("bee", ["ground", "glass"]), plain)
-    assert np.array_equal(renderer.render("bee"), before)
+    plain = renderer.color_jacobian(POSES, ["wall", "glass"])
+    world.set_color("wall", (0.9, 0.1, 0.2), emissive=(0.1, 0.5, 0.2))
+    before = renderer.render(POSES)
+    assert np.array_equal(renderer.color_jacobian(POSES, ["wall", "glass"]), plain)
+    assert np.array_equal(renderer.render(POSES), before)
     # What has no material is white whatever is asked for, and no colour's.
     bare = omma.Scene(
         meshes=[omma.scene.Mesh([(-9, -9, -1), (9, -9, -1), (0, 9, -1)], [(0, 1, 2)])]
@@ -127,24 +136,29 @@ def test_what_is_not_linear_is_refused(scene):
     lit = omma.World(omma.scene.box(), light=omma.light.uniform_sky(1e15), ultraviolet="dark")
     weights = np.ones((1, 60, 3))
     for call, message in (
-        (lambda: renderer.color_jacobian("bee", "nobody"), "by: expected one called 'nobody'"),
-        (lambda: renderer.color_jacobian("bee", 99), "by: expected 0 to"),
+        (lambda: renderer.color_jacobian(POSES[:1], "nobody"), "by: expected one called 'nobody'"),
+        (lambda: renderer.color_jacobian(POSES[:1], 99), "by: expected 0 to"),
         (
             lambda: omma.Renderer(lit, EYE, omma.Fixed(4)).color_jacobian(np.eye(4), 0),
             "world: expected one that is not lit",
         ),
         (
-            lambda: renderer.with_eye(EYE, omma.ToError(0.1)).color_jacobian("bee", 0),
+            lambda: renderer.with_eye(EYE, omma.ToError(0.1)).color_jacobian(POSES[:1], 0),
             "sampling: expected omma.Fixed",
         ),
         (
-            lambda: renderer.with_eye(EYE, footprints=True).background_vjp("bee", weights, (4, 8)),
+            lambda: renderer.with_eye(EYE, footprints=True).background_vjp(
+                POSES[:1], weights, (4, 8)
+            ),
             "footprints: expected footprints=False",
         ),
-        (lambda: renderer.background_vjp("bee", weights[:, :3], (4, 8)), "cotangent: expected"),
-        (lambda: renderer.background_vjp("bee", weights * np.nan, (4, 8)), "cotangent: expected"),
-        (lambda: renderer.background_vjp("bee", weights, (0, 8)), "shape: expected 1 to"),
-        (lambda: renderer.background_vjp("bee", weights, (4, 8, 3)), "shape: expected shape"),
+        (lambda: renderer.background_vjp(POSES[:1], weights[:, :3], (4, 8)), "cotangent: expected"),
+        (
+            lambda: renderer.background_vjp(POSES[:1], weights * np.nan, (4, 8)),
+            "cotangent: expected",
+        ),
+        (lambda: renderer.background_vjp(POSES[:1], weights, (0, 8)), "shape: expected 1 to"),
+        (lambda: renderer.background_vjp(POSES[:1], weights, (4, 8, 3)), "shape: expected shape"),
     ):
         with pytest.raises(omma.Error, match=message):
             call()
