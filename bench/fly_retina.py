@@ -59,17 +59,23 @@ def grating_picture(per_degree, phase_rad, samples=4):
     return np.tile(line, (ROWS, 1))
 
 
-def pooled(picture, ids):
-    """FlyGym's means over hexagons of the bent picture: (N,)."""
+def bent(picture):
+    """The camera's picture behind the fisheye lens, by nearest pixels; 0 where it shows nothing."""
     row, column = np.mgrid[:ROWS, :COLUMNS].astype(float)
     down, right = (2 * row - ROWS) / ROWS / ZOOM, (2 * column - COLUMNS) / COLUMNS / ZOOM
     shrink = 1 - DISTORTION * (down**2 + right**2) + 1e-6
     source_row = ((down / shrink + 1) * ROWS / 2).astype(int)
     source_column = ((right / shrink + 1) * COLUMNS / 2).astype(int)
-    inside = (ids > 0) & (0 <= source_row) & (source_row < ROWS)
+    inside = (0 <= source_row) & (source_row < ROWS)
     inside &= (0 <= source_column) & (source_column < COLUMNS)
-    values = picture[source_row[inside], source_column[inside]]
-    total = np.bincount(ids[inside], values, ids.max() + 1)[1:]
+    found = np.zeros_like(picture)
+    found[inside] = picture[source_row[inside], source_column[inside]]
+    return found
+
+
+def pooled(picture, ids):
+    """FlyGym's means over hexagons of the bent picture: (N,)."""
+    total = np.bincount(ids[ids > 0], bent(picture)[ids > 0])[1:]
     return total / np.bincount(ids[ids > 0])[1:]
 
 

@@ -179,6 +179,22 @@ def test_products_with_vectors_are_those_of_the_jacobian():
         assert np.array_equal(alone.responses[0], responses[p])
 
 
+def test_a_turn_of_a_turned_head():
+    """By the chain rule of rotation vectors, against differences of the matrices themselves."""
+    from scipy.spatial.transform import Rotation
+
+    from omma.rendering.differentiable import turn_per_vector
+
+    vectors = np.random.default_rng(1).normal(size=(5, 3))
+    vectors[0] = 0
+    found = turn_per_vector(vectors)
+    for k in range(3):
+        step = 1e-6 * np.eye(3)[k]
+        more, less = (Rotation.from_rotvec(vectors + sign * step) for sign in (1, -1))
+        expected = (more * less.inv()).as_rotvec() / 2e-6
+        assert found[:, :, k] == pytest.approx(expected, abs=1e-8)
+
+
 def test_pieces_make_the_whole(monkeypatch):
     """Some ommatidia and some poses at a time, as where rays would fill the memory."""
     eye = omma.eye.generate_eye(30)

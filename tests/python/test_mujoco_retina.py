@@ -132,8 +132,67 @@ def test_gratings_come_through_as_through_a_gaussian(ids):
         assert hexagons[field].mean() > transfer[field].mean()  # they blur less, and alias
 
 
+def pictures_seen(looks, picture):
+    """(N,): green of the yellow ommatidia and blue of the pale ones, of a grey picture 0 to 1."""
+    return looks(np.repeat(np.rint(255 * picture)[..., None], 3, 2)).sum(axis=1)
+
+
+def test_pictures_come_through_as_through_a_gaussian(ids):
+    """By the closed form of gratings, the camera's picture and that behind the lens."""
+    pale = np.random.default_rng(1).random(721) < 0.3
+    retina = omma.mujoco.PictureRetina(ids, pale, acceptance_angle_deg=5.0)
+    azimuth, elevation = omma.eye.azimuth_elevation_deg_of(retina.eye.axis)
+    field = (np.abs(elevation) < 6) & (np.abs(azimuth) < 60)
+    straight, bent = retina.fisheye_image_to_hex_pxls, retina.raw_image_to_hex_pxls
+    for looks, lens, off in (
+        # Pixels of the camera are 1.1 degrees wide in the middle, which takes 1.3 % of the contrast
+        # of 0.08 cycles per degree; behind the lens nearest pixels lie up to half of that off.
+        (straight, lambda picture: picture, 0.015),
+        (bent, fly_retina.bent, 0.03),
+    ):
+        for per_degree in (0.02, 0.05, 0.08):
+            transfer = fly_retina.contrast(
+                lambda phase, nu=per_degree, looks=looks, lens=lens: pictures_seen(
+                    looks, lens(fly_retina.grating_picture(nu, phase))
+                )
+            )
+            gaussian = np.exp(-((np.pi * per_degree * 5.0) ** 2) / (4 * np.log(2)))
+            assert transfer[field] == pytest.approx(gaussian, abs=off)
+
+
+def test_pictures_fill_one_channel_each(ids):
+    pale = (np.arange(721) % 3 == 0).astype(int)
+    retina = omma.mujoco.PictureRetina(ids, pale)
+    picture = np.empty((512, 450, 3), np.uint8)
+    picture[:] = 10, 51, 204
+    for looks in (retina.raw_image_to_hex_pxls, retina.fisheye_image_to_hex_pxls):
+        # Weights sum to 1, at the rim too, where a Gaussian reaches beyond the picture.
+        expected = np.where(pale[:, None] != [0, 1], 0, [51 / 255, 204 / 255])
+        assert looks(picture) == pytest.approx(expected, abs=1e-12)
+    # A spot where a hexagon is, behind the lens, is brightest to its ommatidium.
+    for number in (1, 361, 700):
+        spot = np.where((ids == number)[..., None], 255, np.zeros(3))
+        seen = retina.raw_image_to_hex_pxls(spot).sum(axis=1)
+        assert seen.argmax() == number - 1
+
+
+def test_pictures_beside_flygyms_own(ids):
+    own = pytest.importorskip(
+        "flygym.vision.retina", reason="needs FlyGym 2 (Python 3.12)"
+    ).Retina()
+    simulation = fly_retina.flygym_simulation()
+    retina = omma.mujoco.PictureRetina()
+    for picture in simulation.get_raw_vision("fly"):
+        theirs, ours = (one.raw_image_to_hex_pxls(picture) for one in (own, retina))
+        assert ours.shape == theirs.shape
+        assert ours.dtype == theirs.dtype
+        # Gaussians and hexagons are about as wide: found 0.998.
+        assert np.corrcoef(ours.max(axis=1), theirs.max(axis=1))[0, 1] > 0.99
+
+
 def test_bad_input_is_named(ids, simulation):
     retina = omma.mujoco.FlyRetina(simulation, threads=1)
+    pictures = omma.mujoco.PictureRetina(ids, retina.pale)
     left_out = np.where(ids == 7, 0, ids)
     blind = SimpleNamespace(**{**vars(simulation), "world": SimpleNamespace(fly_lookup={})})
     for call, said in (
@@ -141,6 +200,9 @@ def test_bad_input_is_named(ids, simulation):
         (lambda: omma.mujoco.FlyRetina(blind), "call fly.add_vision()"),
         (lambda: retina.get_ommatidia_readouts("bee"), r"a fly with vision (fly), found 'bee'"),
         (lambda: retina.get_ommatidia_readouts("blind"), "found 'blind'"),
+        (lambda: omma.mujoco.PictureRetina(ids, [1, 0]), "pale_type_mask: expected shape (721,)"),
+        (lambda: pictures.raw_image_to_hex_pxls(ids), "raw_img: expected shape (512, 450, 3)"),
+        (lambda: pictures.raw_image_to_hex_pxls(np.full((512, 450, 3), 256)), "from 0 to 255"),
         (lambda: omma.mujoco.fly_eye(left_out), "expected each of 1 to N at least once"),
         (lambda: omma.mujoco.fly_eye(ids[0]), "expected shape (N, N)"),
         (lambda: omma.mujoco.fly_eye(ids, zoom=0), "zoom: expected a number above 0"),

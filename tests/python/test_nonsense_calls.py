@@ -48,6 +48,7 @@ LEFT = {
 # Without a call that works: these want what only other parts of the tests make.
 WITHOUT = {
     "compoundray_library": "the library of CompoundRay's interface, which is built on request",
+    "jax_responses": "JAX (test_jax_responses)",
     "torch_dataset": "PyTorch (test_torch)",
     "torch_render_stream": "PyTorch (test_torch)",
     "torch_renders": "PyTorch (test_torch)",
@@ -58,6 +59,7 @@ WITHOUT = {
     "eye_env": "a loop (test_gym)",
     "eye_vector_env": "a loop (test_gym)",
     "FlyRetina": "a simulation of FlyGym",
+    "PictureRetina": "FlyGym's map of hexagons (test_mujoco_retina)",
     "camera": "a model of MuJoCo (test_mujoco)",
     "fly_eye": "FlyGym's map of hexagons (test_mujoco_retina)",
     "head_pose": "a model of MuJoCo (test_mujoco)",
@@ -613,13 +615,14 @@ def public_calls(folder):
             **of_stimulus, "pixels": (0.0,), "move": (arena.world(), 0.1),
             "play": (omma.Renderer(arena.world(), eye), [0.0]),
         }),
-        "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1), {
+        "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1, footprints=False), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
             "ground_truth": (pose,), "with_world": (omma.World(scene),),
             "jacobian": (pose,), "jvp": (pose, {"axis": np.zeros((24, 3))}),
-            "vjp": (pose, np.zeros((1, 24, 3))),
+            "vjp": (pose, np.zeros((1, 24, 3))), "color_jacobian": (pose, "background"),
+            "background_vjp": (pose, np.zeros((1, 24, 3)), (4, 8)),
         }),
         "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
             "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),

@@ -88,6 +88,7 @@ assert data.sizes["column"] == 1696
     "docs/learning.md": """
 assert batch["response"].shape == (16, 200, 3) and batch["yaw_deg"].shape == (16,)
 assert (out == responses).all() and out.any()
+assert slope[0, 1] < 0  # towards where it saw it
 """,
     "docs/gallery.md": "import glob; assert len(glob.glob('gallery-*.png')) == 10",
     "docs/materials.md": "assert photons.shape == (1, 77_232) and (photons >= 0).all()",
@@ -144,7 +145,7 @@ DAYLIGHT = """Date: noon
 """
 
 # Pages whose snippets need a package that is not one of all tests.
-NEEDS_PACKAGE = {"docs/mujoco.md": "mujoco", "docs/learning.md": "torch"}
+NEEDS_PACKAGE = {"docs/mujoco.md": ("mujoco",), "docs/learning.md": ("torch", "jax")}
 
 # Pages whose snippets are not run, and why.
 SNIPPETS_NOT_RUN: dict[str, str] = {}
@@ -284,8 +285,8 @@ def run(command, folder):
 def test_snippets_run(page, folder):
     if page == NEEDS_DATA and not COMPOUND_RAY.is_dir():
         pytest.skip(f"needs {COMPOUND_RAY}, which is not here")
-    if page in NEEDS_PACKAGE:
-        pytest.importorskip(NEEDS_PACKAGE[page])
+    for package in NEEDS_PACKAGE.get(page, ()):
+        pytest.importorskip(package)
     snippets, besides = blocks(page, "python"), GIVEN_BESIDES.get(page, {})
     parts = [] if snippets[0].startswith(("import ", "from ")) else [given()]
     for number, snippet in enumerate(snippets):

@@ -218,6 +218,14 @@ def test_flyvis_has_the_same_order():
         assert (np.stack(hex_utils.get_hex_coords(extent), 1) == omma.columns.hexals(extent)).all()
 
 
+def test_flyvis_eye_looks_where_hexals_lie():
+    """Where its box eye takes pixels of a picture: v columns to the right, u + v/2 rows down."""
+    box_eye = pytest.importorskip("flyvis.datasets.rendering").BoxEye(extent=15, kernel_size=13)
+    u, v = omma.columns.hexals(15).T
+    expected = np.stack([np.trunc(13 * (u + v / 2)), 13 * v], axis=1)
+    assert (box_eye.receptor_centers.numpy() == expected).all()
+
+
 def test_movies_for_flyvis_are_grey_levels(columns):
     right = columns.chosen(columns.side > 0)
     light = np.linspace(0, 2, 3 * len(right)).reshape(3, -1)

@@ -34,22 +34,6 @@ def test_gradients_are_those_of_vjp():
     assert turn.grad.numpy() == pytest.approx(gradient["rotation_rad"], rel=1e-3, abs=1e-2)
 
 
-def test_a_turn_of_a_turned_head():
-    """By the chain rule of rotation vectors, against differences of the matrices themselves."""
-    from scipy.spatial.transform import Rotation
-
-    from omma.rendering.torch_responses import _turn_per_vector
-
-    vectors = np.random.default_rng(1).normal(size=(5, 3))
-    vectors[0] = 0
-    found = _turn_per_vector(vectors)
-    for k in range(3):
-        step = 1e-6 * np.eye(3)[k]
-        more, less = (Rotation.from_rotvec(vectors + sign * step) for sign in (1, -1))
-        expected = (more * less.inv()).as_rotvec() / 2e-6
-        assert found[:, :, k] == pytest.approx(expected, abs=1e-8)
-
-
 def test_only_what_asks_for_gradients_has_them():
     renderer = renderer_of(16)
     width = torch.full((30,), 0.05, dtype=torch.float32, requires_grad=True)
@@ -95,5 +79,7 @@ def test_what_is_no_tensor_of_an_eye_is_refused():
     ):
         with pytest.raises(omma.Error, match=message):
             omma.rendering.torch_responses(renderer, POSES, **wrong)
+    with pytest.raises(omma.Error, match="position_m: responses have no gradients by it"):
+        omma.rendering.torch_responses(renderer, POSES, position_m=torch.zeros((30, 3)))
     with pytest.raises(omma.Error, match="rotation_rad"):
         omma.rendering.torch_responses(renderer, torch.tensor(POSES, requires_grad=True))

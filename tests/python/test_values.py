@@ -266,7 +266,7 @@ UNHASHABLE = {
 }  # fmt: skip
 # Made of another package's simulation (tests/python/test_mujoco_retina.py); a server's page
 # (tests/python/test_view_window.py); memory of a graphics card (tests/python/test_card_arrays.py).
-ELSEWHERE = {"mujoco.FlyRetina", "view.Window", "rendering.CardArray"}
+ELSEWHERE = {"mujoco.FlyRetina", "mujoco.PictureRetina", "view.Window", "rendering.CardArray"}
 CLASSES = sorted(
     {
         f"{subpackage}.{name}".strip(".")

@@ -4,7 +4,7 @@ A world made of a model has the model's own frame: MuJoCo's +Z is up in it, and 
 Lengths are the model's. Needs `mujoco` (``pip install 'omma[mujoco]'``).
 
 Files: `shapes`, `materials` and `cube_maps` lay textures as MuJoCo does, `lamps`, `skins`; `moving`
-keeps a world; `retina` answers FlyGym's call.
+keeps a world; `retina` answers FlyGym's call, `pictures` that of its pictures.
 """
 
 import lazy_loader

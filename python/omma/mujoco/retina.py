@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, positive, within
-from omma.base.optional import needs
+from omma._core import Error
+from omma.base.arguments import checked
+from omma.mujoco.fly_eyes import fly_eye, flygym_retina
 from omma.mujoco.models import checked_data, checked_model
 from omma.mujoco.moving import update
 from omma.mujoco.poses import camera
@@ -23,63 +23,10 @@ from omma.mujoco.scenes import world_from_model
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 
-# What FlyGym 2.1 has in its vision.yaml.
-_FOVY_DEG, _DISTORTION, _ZOOM = 157.0, 3.8, 2.72
 # Geoms that FlyGym hides from the eyes are in groups 1 and 2: marks of sensors, and the fly's head.
 _SEEN_GROUPS = (0,)
 # What a readout takes: green where an ommatidium is yellow, blue where it is pale.
 _CHANNEL_OF = (1, 2)
-
-
-@checked
-def fly_eye(
-    ommatidia_id_map: ArrayLike,
-    *,
-    fovy_deg: float = _FOVY_DEG,
-    distortion: float = _DISTORTION,
-    zoom: float = _ZOOM,
-    acceptance_angle_deg: float | None = None,
-) -> Eye:
-    """One eye of FlyGym's in the frame of its camera, an ommatidium for each hexagon of its map.
-
-    Args:
-        ommatidia_id_map: (H, W) whole numbers, which pixel of the bent picture is whose: 1 to N, 0
-            nobody's.
-        fovy_deg: vertical field of view of the camera.
-        distortion, zoom: of the fisheye lens: a point r from the middle of the bent picture, in
-            half sizes, is at r / zoom / (1 - distortion (r / zoom)²) in the camera's.
-        acceptance_angle_deg: full width at half maximum. None: each ommatidium's mean angle to its
-            neighbours.
-
-    Raises:
-        omma.Error: a map with numbers left out, or a number out of its range.
-    """
-    ids = array_of(ommatidia_id_map, "ommatidia_id_map", (None, None), np.int64)
-    count = int(ids.max(initial=0))
-    pixels = np.bincount(ids[ids > 0], minlength=count + 1)[1:]
-    if count < 1 or ids.min() < 0 or not pixels.all():
-        raise Error("ommatidia_id_map: expected each of 1 to N at least once, and 0 elsewhere")
-    half = np.tan(np.radians(within(fovy_deg, "fovy_deg", 1, 179)) / 2)
-    rows, columns = ids.shape
-    row, column = np.nonzero(ids)
-    scale = positive(zoom, "zoom")
-    down = (2 * row - rows) / rows / scale
-    right = (2 * column - columns) / columns / scale
-    shrink = 1 - within(distortion, "distortion", 0, 1e6) * (down**2 + right**2)
-    if shrink.min() <= 0:
-        raise Error("distortion: expected one at which all of the map is before the lens")
-    direction = np.stack(
-        [half * columns / rows * right / shrink, -half * down / shrink, -np.ones(len(row))], -1
-    )
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    axis = np.stack(
-        [np.bincount(ids[row, column] - 1, direction[:, k], count) for k in range(3)], -1
-    )
-    eye = Eye(np.zeros((count, 3)), axis, 0.0)
-    if acceptance_angle_deg is None:
-        return eye.replace(acceptance_angle_rad=eye.interommatidial_angle_rad())
-    width = positive(acceptance_angle_deg, "acceptance_angle_deg")
-    return eye.replace(acceptance_angle_rad=np.radians(width))
 
 
 class FlyRetina:
@@ -116,7 +63,7 @@ class FlyRetina:
                     "simulation: expected one of FlyGym 2, which has mj_model, mj_data and world, "
                     f"found {type(simulation).__name__}"
                 )
-        retina = getattr(simulation, "retina", None) or _flygym_retina()
+        retina = getattr(simulation, "retina", None) or flygym_retina("FlyRetina")
         self.model = checked_model(simulation.mj_model)
         self._simulation = simulation
         self.cameras = {
@@ -192,7 +139,3 @@ def readouts(responses: NDArray[np.float32], pale: NDArray[np.bool_]) -> NDArray
         mine = pale == bool(index)
         found[:, mine, index] = responses[:, mine, channel]
     return found
-
-
-def _flygym_retina() -> Any:
-    return needs("flygym.vision.retina", "", "FlyRetina needs FlyGym 2").Retina()

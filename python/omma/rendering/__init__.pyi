@@ -1,6 +1,7 @@
 from .agents import render_agents
 from .card_array import CardArray
 from .gradients import Jacobian
+from .jax_responses import jax_responses
 from .panoramas import PanoramaView, see_panorama
 from .picture_layouts import CubeFaces, Equirectangular, Fisheye
 from .read_back import load_responses
@@ -21,6 +22,7 @@ __all__ = [
     "SamplingReport",
     "Settings",
     "UltravioletDependence",
+    "jax_responses",
     "load_responses",
     "render_agents",
     "see_panorama",

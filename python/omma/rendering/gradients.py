@@ -37,6 +37,13 @@ Floats = NDArray[np.float64]
 Parameter = Literal["acceptance_angle_rad", "axis", "rotation_rad"]
 PARAMETERS: tuple[Parameter, ...] = get_args(Parameter)
 
+# How derivatives (P, N, C[, 3]) and a change of the parameter make a change of responses.
+ALONG: dict[Parameter, str] = {
+    "acceptance_angle_rad": "pnc,n->pnc",
+    "axis": "pnci,ni->pnc",
+    "rotation_rad": "pnci,pi->pnc",
+}
+
 # Independent estimates, whose spread is the error, as of standard errors (error_scrambles).
 _ESTIMATES = 8
 # Of what is kept of rays at once.
@@ -71,18 +78,16 @@ class Jacobian:
                 are not finite.
         """
         expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
-        poses, ommatidia, channels = self.responses.shape
-        change = np.zeros((poses, ommatidia, channels))
+        poses, ommatidia, _ = self.responses.shape
+        size: dict[Parameter, tuple[int, ...]] = {
+            "acceptance_angle_rad": (ommatidia,),
+            "axis": (ommatidia, 3),
+            "rotation_rad": (poses, 3),
+        }
+        change = np.zeros(self.responses.shape)
         for name, tangent in tangents.items():
             value = self._value(name)
-            if name == "acceptance_angle_rad":
-                change += value * _tangent(tangent, name, (ommatidia,))[:, None]
-            elif name == "axis":
-                by = _tangent(tangent, name, (ommatidia, 3))
-                change += np.einsum("pnci,ni->pnc", value, by)
-            else:
-                by = _tangent(tangent, name, (poses, 3))
-                change += np.einsum("pnci,pi->pnc", value, by)
+            change += np.einsum(ALONG[name], value, _tangent(tangent, name, size[name]))
         return change
 
     @checked
@@ -160,8 +165,7 @@ def jacobian(
     names = (by,) if isinstance(by, str) else tuple(by)
     for name in names:
         one_of(name, PARAMETERS, "by")
-    samples = fixed_samples(self.settings.sampling, "a Jacobian")
-    _expect_differentiable(self)
+    samples = expect_differentiable(self)
     matrices = poses_of(self, poses)
     of_each = max(1, samples // _ESTIMATES)
     seen_by = self.with_eye(self.eye, Fixed(of_each), noise="new_every_frame")
@@ -224,8 +228,15 @@ def vjp(
     return found.responses, found.vjp(cotangent)
 
 
-def _expect_differentiable(renderer: Prepared) -> None:
+def expect_differentiable(renderer: Prepared, *, own_widths: bool = True) -> int:
+    """How many rays there are for each ommatidium of a renderer whose responses have derivatives;
+    omma.Error says why they have none.
+
+    Args:
+        own_widths: False: ommatidia are to become round Gaussians of other widths.
+    """
     eye, settings = renderer.eye, renderer.settings
+    samples = fixed_samples(settings.sampling, "a Jacobian")
     if renderer.world.light is not None:
         raise Error(
             "world: expected one that is not lit: suns and lamps are summed beside the rays, which "
@@ -239,6 +250,8 @@ def _expect_differentiable(renderer: Prepared) -> None:
             "angular_sensitivity: expected Gaussians, whose density has derivatives everywhere, "
             f"found {settings.angular_sensitivity}"
         )
+    if not own_widths:
+        return samples
     round_ones = _are_round_gaussians(eye) if own else np.ones(len(eye), bool)
     wrong = np.flatnonzero(~(round_ones & (eye.acceptance_angle_rad > 0)))
     if len(wrong):
@@ -246,6 +259,7 @@ def _expect_differentiable(renderer: Prepared) -> None:
             f"eye: expected round Gaussians of a width above 0; {len(wrong):,} ommatidia are none, "
             f"the first {wrong[0]}"
         )
+    return samples
 
 
 def _are_round_gaussians(eye: Eye) -> NDArray[np.bool_]:

@@ -19,6 +19,7 @@ from omma.base.arguments import checked, expect
 from omma.base.notebook import html_table, without_folder
 from omma.base.progress import Progress
 from omma.base.renamed import renamed_arguments
+from omma.rendering.color_gradients import background_vjp, color_jacobian
 from omma.rendering.dataset import dataset
 from omma.rendering.frames import render, render_rays, render_stokes
 from omma.rendering.gradients import jacobian, jvp, vjp
@@ -181,6 +182,8 @@ class Renderer:
     jacobian = jacobian
     jvp = jvp
     vjp = vjp
+    color_jacobian = color_jacobian
+    background_vjp = background_vjp
     dataset = dataset
 
     def _receptor_views(self) -> tuple[ReceptorViews, Renderer]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,7 +27,7 @@ class Colors:
 
     def set_image(self, engine: _core.World, image: int | str, picture: Any) -> None:
         """As of `World.set_image`."""
-        index = _index(image, "image", [one.name for one in self._scene.images])
+        index = index_of(image, "image", [one.name for one in self._scene.images])
         given = picture if isinstance(picture, Image) else Image(picture)
         engine.set_image(index, given)
         self._images[index] = given
@@ -40,7 +41,7 @@ class Colors:
     ) -> None:
         """As of `World.set_color`."""
         materials = self._scene.materials
-        index = _index(material, "material", [one.name for one in materials])
+        index = index_of(material, "material", [one.name for one in materials])
         own = materials[index]
         before = self._colors.get(index, (np.array(own.base_color[:3]), np.array(own.emissive)))
         colour = (
@@ -49,6 +50,20 @@ class Colors:
         )
         engine.set_color(index, *(tuple(map(float, one)) for one in colour))
         self._colors[index] = colour
+
+    @contextmanager
+    def kept(self, engine: _core.World) -> Iterator[None]:
+        """Colours that are set inside are undone at the end."""
+        before = self._colors.copy()
+        try:
+            yield
+        finally:
+            for index, own in enumerate(self._scene.materials):
+                if index in self._colors:
+                    colour = before.get(index, (np.array(own.base_color[:3]), own.emissive))
+                    engine.set_color(index, *(tuple(map(float, one)) for one in colour))
+            self._colors.clear()
+            self._colors.update(before)
 
     def parts(self) -> tuple[dict[int, Image], dict[int, Colour]]:
         """To give to another world of the same scene, as when one is unpickled."""
@@ -112,7 +127,8 @@ def set_color(
     self._colors.set_color(self._engine, material, base_color, emissive)
 
 
-def _index(given: int | str, what: str, names: Sequence[str]) -> int:
+def index_of(given: int | str, what: str, names: Sequence[str]) -> int:
+    """The index that is given, or that of the one thing that is so called."""
     if not names:
         raise Error(f"{what}: expected a scene that has some, found one with none")
     if not isinstance(given, str):
