@@ -235,7 +235,8 @@ async function viewOfScene() {
     const { yaw, pitch, roll } = app.state.pose;
     app.go(poseAt(x, y, z, yaw, pitch, roll));
   };
-  return new SceneView(three, OrbitControls, $('scene'), context, drag);
+  const isBusy = () => app.isBusy();
+  return new SceneView(three, OrbitControls, $('scene'), context, { drag, isBusy });
 }
 
 /** Takes what a link says; what it says wrongly is told. */
