@@ -41,6 +41,18 @@ def test_every_build_of_the_engine_gives_the_same_bits(browser, served):
         page.context.close()
 
 
+def test_no_text_is_evaluated(browser, served):
+    # As served here, with a Content-Security-Policy under which all other tests run, too.
+    page = opened(browser, f"{served.url}#scene=arena&eye=melophorus")
+    # Later: what Playwright itself evaluates may evaluate more.
+    evaluated = """() => new Promise((done) => setTimeout(() => {
+  try { done(new Function('return 1')()); } catch (error) { done(error.name); }
+}))"""
+    assert page.evaluate(evaluated) == "EvalError"
+    assert not browser.said  # nor did the page try
+    page.context.close()
+
+
 def test_without_simd_it_is_slower_and_says_so(browser, served):
     lacks = "WebAssembly.validate = () => false;"
     page = without(browser, f"{served.url}#scene=arena&eye=melophorus", lacks)
