@@ -112,6 +112,24 @@ def test_receptors_and_scaled_acceptances(page, folder):
     assert plain.shape == (1010, 3)
 
 
+def test_receptors_beside_the_axis(browser, served, folder):
+    # A fruit fly's, whose R7 and R8 are of several types of one name each.
+    page = opened(browser, f"{served.url}#scene=arena&eye=drosophila")
+    values, labels, matrix = seen(page, shown=FALSE_COLOURS)
+    assert page.locator("#trouble").is_hidden(), page.inner_text("#trouble p")
+    assert labels[:6] == [f"R{k}" for k in range(1, 7)]
+    eye = omma.load_eye(unpacked("drosophila.csv", folder))
+    names = [eye.receptor_types[t].name for t in eye.receptor_type]
+    world = omma.World(omma.load_scene(unpacked("arena.glb", folder)), backend="portable")
+    expected = omma.Renderer(world, eye, omma.Fixed(4), seed=0).render_receptors(matrix)[0]
+    at = np.repeat(np.arange(len(eye.axis)), np.diff(eye.first_receptor))
+    found = values[at, [labels.index(name) for name in names]]
+    # As above.
+    assert np.allclose(found, expected, rtol=3e-7, atol=0)
+    assert np.count_nonzero(~np.isnan(values)) == len(expected)
+    page.context.close()
+
+
 def test_a_picked_ommatidium_says_its_numbers(page, folder):
     _, _, matrix = seen(page, picked=-1)
     box = page.locator("#eye").bounding_box()

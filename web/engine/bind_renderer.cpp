@@ -7,6 +7,7 @@
 
 #include "handles.h"
 #include "omma/receptor.h"
+#include "omma/receptor_views.h"
 #include "omma/render.h"
 #include "values.h"
 
@@ -84,27 +85,28 @@ Options read_options(const val& options) {
   return found;
 }
 
-// What receptors make of red, green and blue, [type][band]; omma::Error where they do not all look
-// through their ommatidium's own acceptance.
+// What receptors make of red, green and blue, [type][band].
 std::vector<double> weights_of(const Eye& eye) {
   if (eye.receptor_types.empty())
     throw Error("receptors: expected an eye with receptors, found none");
   std::vector<double> weights;
-  for (const ReceptorType& type : eye.receptor_types) {
-    if (type.right_rad != 0 || type.up_rad != 0 || type.acceptance)
-      throw Error("receptors: expected those that look along their ommatidium's axis, found \"" +
-                  type.name + "\" beside it or with an acceptance of its own");
+  for (const ReceptorType& type : eye.receptor_types)
     for (const double weight : receptor_weights(type)) weights.push_back(weight);
-  }
   return weights;
 }
 
 class RendererHandle {
  public:
   RendererHandle(const WorldHandle& world, const EyeHandle& eye, const Options& options)
-      : renderer_(std::make_shared<Renderer>(world.world, *eye.eye, options.settings)),
-        error_(options.error) {
-    if (options.receptors) weights_ = weights_of(*eye.eye);
+      : eye_(eye.eye), error_(options.error) {
+    if (options.receptors) {
+      weights_ = weights_of(*eye_);
+      ReceptorViews views = receptor_views(*eye_);
+      view_of_receptor_ = std::move(views.view_of_receptor);
+      renderer_ = std::make_shared<Renderer>(world.world, std::move(views.eye), options.settings);
+    } else {
+      renderer_ = std::make_shared<Renderer>(world.world, *eye_, options.settings);
+    }
   }
 
   val info() const {
@@ -113,8 +115,7 @@ class RendererHandle {
       std::vector<std::string> labels{"red", "green", "blue"};
       if (!weights_.empty()) {
         labels.clear();
-        for (const ReceptorType& type : renderer_->eye().receptor_types)
-          labels.push_back(type.name);
+        for (const ReceptorType& type : eye_->receptor_types) labels.push_back(type.name);
       }
       info.set("bands", outputs());
       info.set("labels", list_of(labels));
@@ -139,36 +140,39 @@ class RendererHandle {
       }
       const Mat4 pose = matrix_of(world_from_head, "world_from_head");
       renderer_->render(std::span<const Mat4>(&pose, 1), responses_, call);
-      leave_out(responses_);
-      if (error_) leave_out(errors_);
-      return array_of(responses_);
+      return array_of(by_ommatidium(responses_));
     });
   }
 
-  val error() const { return errors_.empty() ? val::null() : array_of(errors_); }
+  val error() const { return errors_.empty() ? val::null() : array_of(by_ommatidium(errors_)); }
 
  private:
   std::size_t outputs() const { return weights_.empty() ? rgb_bands : weights_.size() / rgb_bands; }
 
-  // NaN where an ommatidium has no receptor of a type.
-  void leave_out(std::vector<float>& values) const {
-    if (weights_.empty()) return;
-    const Eye& eye = renderer_->eye();
+  // [ommatidium][type] of what views see, NaN where an ommatidium has no receptor of a type; or as
+  // they are without receptors.
+  std::vector<float> by_ommatidium(const std::vector<float>& seen) const {
+    if (weights_.empty()) return seen;
     const std::size_t types = outputs();
-    std::vector<char> has(types);
-    for (std::size_t i = 0; i < eye.size(); ++i) {
-      std::fill(has.begin(), has.end(), 0);
-      for (std::int32_t r = eye.first_receptor[i]; r < eye.first_receptor[i + 1]; ++r)
-        has[static_cast<std::size_t>(eye.receptor_type[static_cast<std::size_t>(r)])] = 1;
-      for (std::size_t t = 0; t < types; ++t)
-        if (!has[t]) values[i * types + t] = std::numeric_limits<float>::quiet_NaN();
+    std::vector<float> values(eye_->size() * types, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < eye_->size(); ++i) {
+      const auto first = static_cast<std::size_t>(eye_->first_receptor[i]);
+      const auto end = static_cast<std::size_t>(eye_->first_receptor[i + 1]);
+      for (std::size_t r = first; r < end; ++r) {
+        const auto type = static_cast<std::size_t>(eye_->receptor_type[r]);
+        values[i * types + type] =
+            seen[static_cast<std::size_t>(view_of_receptor_[r]) * types + type];
+      }
     }
+    return values;
   }
 
-  std::shared_ptr<Renderer> renderer_;
-  std::vector<double> weights_;  // [type][band] of receptors, or empty
+  std::shared_ptr<const Eye> eye_;
+  std::shared_ptr<Renderer> renderer_;  // of the eye, or of the views of its receptors
+  std::vector<double> weights_;         // [type][band] of receptors, or empty
+  std::vector<std::int32_t> view_of_receptor_;
   bool error_;
-  std::vector<float> responses_, errors_;  // [ommatidium][output]
+  std::vector<float> responses_, errors_;  // [ommatidium or view][output]
 };
 
 RendererHandle make_renderer(const WorldHandle& world, const EyeHandle& eye, const val& options) {
