@@ -70,6 +70,16 @@ def test_without_isolation_there_is_one_thread(browser, served):
     page.context.close()
 
 
+def test_where_threads_do_not_start_there_is_one(browser, served):
+    page = browser.open("about:blank", wait=False)
+    page.route("**/omma_threads.js", lambda route: route.abort())
+    page.goto(f"{served.url}#scene=arena&eye=melophorus")
+    page.wait_for_selector("body[data-ready=simd]")
+    threads = page.evaluate("fetch('./data/data.json').then((answer) => answer.json())")["engines"]
+    assert ("did not start" in page.inner_text("#said")) == ("threads" in threads)
+    page.context.close()
+
+
 def test_without_webgl_the_eye_sees_as_ever(browser, served):
     lacks = """const old = HTMLCanvasElement.prototype.getContext;
 HTMLCanvasElement.prototype.getContext = function (kind, ...more) {

@@ -1,6 +1,8 @@
 // Worlds and renderers for JavaScript.
 #include <emscripten/bind.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -85,14 +87,34 @@ Options read_options(const val& options) {
   return found;
 }
 
-// What receptors make of red, green and blue, [type][band].
-std::vector<double> weights_of(const Eye& eye) {
+// The index of a value in a list, to which it is added where it is not there.
+template <typename T>
+std::size_t index_in(std::vector<T>& list, const T& value) {
+  const auto found = std::find(list.begin(), list.end(), value);
+  const auto index = static_cast<std::size_t>(found - list.begin());
+  if (found == list.end()) list.push_back(value);
+  return index;
+}
+
+// What is rendered of an eye's receptors, and where it goes. Types differ by where they look, too:
+// a fly's eye has a thousand, of few sensitivities and names.
+struct Receptors {
+  std::vector<std::array<double, rgb_bands>> sensitivities;  // weights of red, green and blue
+  std::vector<std::string> names;
+  std::vector<std::size_t> sensitivity_of_type, name_of_type;  // [type], indices of those
+  std::vector<std::int32_t> view_of_receptor;                  // [receptor]
+};
+
+Receptors receptors_of(const Eye& eye) {
   if (eye.receptor_types.empty())
     throw Error("receptors: expected an eye with receptors, found none");
-  std::vector<double> weights;
-  for (const ReceptorType& type : eye.receptor_types)
-    for (const double weight : receptor_weights(type)) weights.push_back(weight);
-  return weights;
+  Receptors receptors;
+  for (const ReceptorType& type : eye.receptor_types) {
+    receptors.sensitivity_of_type.push_back(
+        index_in(receptors.sensitivities, receptor_weights(type)));
+    receptors.name_of_type.push_back(index_in(receptors.names, type.name));
+  }
+  return receptors;
 }
 
 class RendererHandle {
@@ -100,9 +122,11 @@ class RendererHandle {
   RendererHandle(const WorldHandle& world, const EyeHandle& eye, const Options& options)
       : eye_(eye.eye), error_(options.error) {
     if (options.receptors) {
-      weights_ = weights_of(*eye_);
+      receptors_ = receptors_of(*eye_);
+      for (const auto& row : receptors_->sensitivities)
+        weights_.insert(weights_.end(), row.begin(), row.end());
       ReceptorViews views = receptor_views(*eye_);
-      view_of_receptor_ = std::move(views.view_of_receptor);
+      receptors_->view_of_receptor = std::move(views.view_of_receptor);
       renderer_ = std::make_shared<Renderer>(world.world, std::move(views.eye), options.settings);
     } else {
       renderer_ = std::make_shared<Renderer>(world.world, *eye_, options.settings);
@@ -112,12 +136,9 @@ class RendererHandle {
   val info() const {
     return checked([&] {
       val info = val::object();
-      std::vector<std::string> labels{"red", "green", "blue"};
-      if (!weights_.empty()) {
-        labels.clear();
-        for (const ReceptorType& type : eye_->receptor_types) labels.push_back(type.name);
-      }
-      info.set("bands", outputs());
+      const std::vector<std::string> labels =
+          receptors_ ? receptors_->names : std::vector<std::string>{"red", "green", "blue"};
+      info.set("bands", labels.size());
       info.set("labels", list_of(labels));
       info.set("rays_per_frame",
                static_cast<double>(renderer_->rays_per_frame()) * (error_ ? error_scrambles : 1));
@@ -147,21 +168,22 @@ class RendererHandle {
   val error() const { return errors_.empty() ? val::null() : array_of(by_ommatidium(errors_)); }
 
  private:
-  std::size_t outputs() const { return weights_.empty() ? rgb_bands : weights_.size() / rgb_bands; }
+  std::size_t outputs() const { return receptors_ ? receptors_->sensitivities.size() : rgb_bands; }
 
-  // [ommatidium][type] of what views see, NaN where an ommatidium has no receptor of a type; or as
+  // [ommatidium][name] of what views see, NaN where an ommatidium has no receptor of that name; or as
   // they are without receptors.
   std::vector<float> by_ommatidium(const std::vector<float>& seen) const {
-    if (weights_.empty()) return seen;
-    const std::size_t types = outputs();
-    std::vector<float> values(eye_->size() * types, std::numeric_limits<float>::quiet_NaN());
+    if (!receptors_) return seen;
+    const std::size_t names = receptors_->names.size();
+    std::vector<float> values(eye_->size() * names, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = 0; i < eye_->size(); ++i) {
       const auto first = static_cast<std::size_t>(eye_->first_receptor[i]);
       const auto end = static_cast<std::size_t>(eye_->first_receptor[i + 1]);
       for (std::size_t r = first; r < end; ++r) {
         const auto type = static_cast<std::size_t>(eye_->receptor_type[r]);
-        values[i * types + type] =
-            seen[static_cast<std::size_t>(view_of_receptor_[r]) * types + type];
+        const auto view = static_cast<std::size_t>(receptors_->view_of_receptor[r]);
+        values[i * names + receptors_->name_of_type[type]] =
+            seen[view * outputs() + receptors_->sensitivity_of_type[type]];
       }
     }
     return values;
@@ -169,8 +191,8 @@ class RendererHandle {
 
   std::shared_ptr<const Eye> eye_;
   std::shared_ptr<Renderer> renderer_;  // of the eye, or of the views of its receptors
-  std::vector<double> weights_;         // [type][band] of receptors, or empty
-  std::vector<std::int32_t> view_of_receptor_;
+  std::optional<Receptors> receptors_;
+  std::vector<double> weights_;  // [sensitivity][band] of receptors, or empty
   bool error_;
   std::vector<float> responses_, errors_;  // [ommatidium or view][output]
 };

@@ -30,6 +30,7 @@ export class App {
     try {
       Object.assign(this, await this.engine.ask('start', { kind: kinds[0] }));
     } catch (error) {
+      this.engine.end();
       if (kinds.length === 1) throw error;
       await this.start(kinds.slice(1)); // a slower one may run
     }

@@ -21,7 +21,8 @@ export function enginesHere(there, asked) {
 export function slower(kind, there) {
   if (kind === 'plain') return 'This browser has no WebAssembly SIMD: the same numbers, slower.';
   if (kind === 'simd' && there.includes('threads')) {
-    return 'One thread: this address is not isolated (headers COOP and COEP), so that there are no more.';
+    return hasThreads() ? 'One thread: the engine with threads did not start.'
+      : 'One thread: this address is not isolated (headers COOP and COEP), so that there are no more.';
   }
   return '';
 }
