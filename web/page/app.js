@@ -61,7 +61,7 @@ export class App {
   paint() {
     const { seen, state } = this;
     if (!seen || !this.picture.ids) return;
-    const bands = bandsShown(state.shown, seen.labels);
+    const bands = bandsShown(state.shown, seen.labels, seen.responses);
     const white = whiteOf(seen.responses, seen.labels.length, bands, state.automatic);
     const gain = 2 ** state.exposure / white;
     this.picture.paint(coloursOf(seen.responses, seen.labels.length, bands, gain, state.palette));

@@ -271,7 +271,7 @@ async function begin() {
   }
   [view] = await Promise.all([viewOfScene(), app.start(kinds)]);
   panel = new Panel(data, app.projections, choose);
-  remark('engine', slower(app.engine.kind, data.engines));
+  remark('engine', slower(app.engine.kind, data.engines, asked.get('engine')));
   await open({ state, wrong });
   document.body.dataset.ready = app.engine.kind;
   if (isEmbedded) return;
