@@ -5,9 +5,9 @@
 
 The head flies over the meadow's cut with an eye of 1,500 ommatidia and with species, five seconds
 each: frames/s that are rendered and painted; then, at once after it and two seconds long, what the
-engine makes when nothing is painted. Then a scene of a million triangles is dropped on the page: how
-long it takes to be there, how fast it is. Chromium runs as where there is no graphics card: it puts
-the page together on the processor, and WebGL runs there, too. With --soak
+engine makes when nothing is painted. Then a scene of a million triangles is dropped on the page:
+how long it takes to be there, how fast it is. Chromium runs as where there is no graphics card: it
+puts the page together on the processor, and WebGL runs there, too. With --soak
 the head flies for so many seconds, every ten with other eyes, scenes and settings: memory of the
 engine, of the page's JavaScript and of all Chromium's processes, every half minute. Prints CSV.
 `scripts/web` makes the page first.
@@ -32,7 +32,7 @@ import omma
 
 ROOT = Path(__file__).resolve().parents[1]
 SITE = ROOT / "build" / "web" / "site"
-# With --use-angle=swiftshader Chromium would put the page itself together by WebGL on the processor.
+# With --use-angle=swiftshader Chromium would put the page itself together by WebGL, too.
 ARGUMENTS = ("--no-sandbox", "--enable-unsafe-swiftshader", "--enable-precise-memory-info")
 
 DROP = """async ([name, data]) => {

@@ -147,9 +147,7 @@ def test_receptors_by_type(tmp_path):
 def test_receptors_beside_the_axis(tmp_path):
     # As above; each receptor looks by rays of its own.
     ahead = omma.receptors.ReceptorType("R8", peak_wavelength_nm=540)
-    beside = omma.receptors.ReceptorType(
-        "R1", peak_wavelength_nm=478, right_rad=0.1, up_rad=-0.05
-    )
+    beside = omma.receptors.ReceptorType("R1", peak_wavelength_nm=478, right_rad=0.1, up_rad=-0.05)
     wide = omma.receptors.ReceptorType(
         "R7", peak_wavelength_nm=440, acceptance=omma.Acceptance.gaussian(0.2)
     )
@@ -166,7 +164,9 @@ def test_receptors_beside_the_axis(tmp_path):
     )
     expected = np.ravel(renderer.render_receptors(pose))
     assert answer["info"]["labels"] == ["R8", "R1", "R7"]
-    assert np.isnan(found.reshape(-1, 3)).tolist() == [[t not in k for t in range(3)] for k in kinds]
+    assert np.isnan(found.reshape(-1, 3)).tolist() == [
+        [t not in k for t in range(3)] for k in kinds
+    ]
     assert np.allclose(found[~np.isnan(found)], expected, rtol=4 * 2**-24, atol=0)
     assert np.count_nonzero(expected) > len(expected) // 4
 

@@ -41,9 +41,9 @@ val info_of(const EyeHandle& handle) {
   });
 }
 
-// S of all angles divided by a factor; of functions of sin theta, of all sines. Lens and focal length
-// are as many times smaller: a rhabdom then has the same size in the same blur disc, at the same
-// f-number, and both lie as many times further apart in angle.
+// S of all angles divided by a factor; of functions of sin theta, of all sines. Lens and focal
+// length are as many times smaller: a rhabdom then has the same size in the same blur disc, at the
+// same f-number, and both lie as many times further apart in angle.
 void scale(Acceptance& acceptance, double factor) {
   acceptance.width_rad *= factor;
   acceptance.minor_width_rad *= factor;

@@ -170,8 +170,8 @@ class RendererHandle {
  private:
   std::size_t outputs() const { return receptors_ ? receptors_->sensitivities.size() : rgb_bands; }
 
-  // [ommatidium][name] of what views see, NaN where an ommatidium has no receptor of that name; or as
-  // they are without receptors.
+  // [ommatidium][name] of what views see, NaN where an ommatidium has no receptor of that name; or
+  // as they are without receptors.
   std::vector<float> by_ommatidium(const std::vector<float>& seen) const {
     if (!receptors_) return seen;
     const std::size_t names = receptors_->names.size();
