@@ -1,11 +1,13 @@
 """How fast the page in the browser is, and whether its memory stays: in Chromium, without a card.
 
-    .venv/bin/python bench/web.py [--engine threads|simd|plain]
+    .venv/bin/python bench/web.py [--engine threads|simd|plain] [--site FOLDER]
     .venv/bin/python bench/web.py --soak 600
 
 The head flies over the meadow's cut with an eye of 1,500 ommatidia and with species, five seconds
-each: frames/s that are rendered and painted, milliseconds of the engine alone. Then a scene of a
-million triangles is dropped on the page: how long it takes to be there, how fast it is. With --soak
+each: frames/s that are rendered and painted; then, at once after it and two seconds long, what the
+engine makes when nothing is painted. Then a scene of a million triangles is dropped on the page:
+how long it takes to be there, how fast it is. Chromium runs as where there is no graphics card: it
+puts the page together on the processor, and WebGL runs there, too. With --soak
 the head flies for so many seconds, every ten with other eyes, scenes and settings: memory of the
 engine, of the page's JavaScript and of all Chromium's processes, every half minute. Prints CSV.
 `scripts/web` makes the page first.
@@ -30,8 +32,8 @@ import omma
 
 ROOT = Path(__file__).resolve().parents[1]
 SITE = ROOT / "build" / "web" / "site"
-ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-             "--enable-precise-memory-info")  # fmt: skip
+# With --use-angle=swiftshader Chromium would put the page itself together by WebGL, too.
+ARGUMENTS = ("--no-sandbox", "--enable-unsafe-swiftshader", "--enable-precise-memory-info")
 
 DROP = """async ([name, data]) => {
   const bytes = Uint8Array.from(atob(data), (one) => one.charCodeAt(0));
@@ -47,17 +49,26 @@ DROP = """async ([name, data]) => {
 FLY = """async (seconds) => {
   const { app } = omma;
   const { moved, turned } = await import(new URL('./pose.js', location.href));
-  const [begin, first, times] = [performance.now(), app.frames, []];
-  let last = app.frames;
+  const [begin, first] = [performance.now(), app.frames];
   while (performance.now() - begin < 1000 * seconds) {
     app.go(moved(turned(app.state.pose, 0.5, 0), 0.004, 0, 0));
     await new Promise(requestAnimationFrame);
-    if (app.frames !== last) times.push(app.seen.milliseconds);
-    last = app.frames;
   }
-  times.sort((a, b) => a - b);
-  const elapsed = (performance.now() - begin) / 1000;
-  return { frames: (app.frames - first) / elapsed, milliseconds: times[times.length >> 1] };
+  return (1000 * (app.frames - first)) / (performance.now() - begin);
+}"""
+# The same by the engine alone.
+ALONE = """async (seconds) => {
+  const { app } = omma;
+  await app.working;
+  const { matrixOf, moved, turned } = await import(new URL('./pose.js', location.href));
+  const begin = performance.now();
+  let { pose } = app.state;
+  let frames = 0;
+  for (; performance.now() - begin < 1000 * seconds; frames += 1) {
+    pose = moved(turned(pose, 0.5, 0), 0.004, 0, 0);
+    await app.engine.ask('render', { pose: matrixOf(pose), frame: 0 });
+  }
+  return (1000 * frames) / (performance.now() - begin);
 }"""
 CHANGE = """async (changes) => {
   const { app } = omma;
@@ -110,15 +121,15 @@ def million_triangles() -> bytes:
 
 def speeds(page: Page) -> None:
     """Frames/s of some eyes, and of a million triangles."""
-    print("scene,eye,ommatidia,rays,frames_per_s,engine_ms")
+    print("scene,eye,ommatidia,rays,frames_per_s,engine_alone_per_s,share")
 
     def row(scene: str, eye: str) -> None:
         number = page.evaluate("omma.app.eye.ommatidia")
         for rays in (4, 16):
             page.evaluate(CHANGE, {"rays": rays})
-            found = page.evaluate(FLY, 5)
+            frames, alone = page.evaluate(FLY, 5), page.evaluate(ALONE, 2)
             print(
-                f"{scene},{eye},{number},{rays},{found['frames']:.1f},{found['milliseconds']:.1f}",
+                f"{scene},{eye},{number},{rays},{frames:.1f},{alone:.1f},{frames / alone:.2f}",
                 flush=True,
             )
 
@@ -179,10 +190,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--engine", choices=("threads", "simd", "plain"), default="")
     parser.add_argument("--soak", type=float, default=0.0, help="seconds")
+    parser.add_argument("--site", type=Path, default=SITE, help="another page than this one")
     given = parser.parse_args()
-    if not (SITE / "index.html").is_file():
-        raise SystemExit(f"{SITE} is not there: scripts/web makes it")
-    command = [sys.executable, str(ROOT / "scripts" / "web_serve"), str(SITE)]
+    if not (given.site / "index.html").is_file():
+        raise SystemExit(f"{given.site} is not there: scripts/web makes it")
+    command = [sys.executable, str(ROOT / "scripts" / "web_serve"), str(given.site)]
     server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert server.stdout is not None
     url = server.stdout.readline().strip()

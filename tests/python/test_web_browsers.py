@@ -41,6 +41,18 @@ def test_every_build_of_the_engine_gives_the_same_bits(browser, served):
         page.context.close()
 
 
+def test_no_text_is_evaluated(browser, served):
+    # As served here, with a Content-Security-Policy under which all other tests run, too.
+    page = opened(browser, f"{served.url}#scene=arena&eye=melophorus")
+    # Later: what Playwright itself evaluates may evaluate more.
+    evaluated = """() => new Promise((done) => setTimeout(() => {
+  try { done(new Function('return 1')()); } catch (error) { done(error.name); }
+}))"""
+    assert page.evaluate(evaluated) == "EvalError"
+    assert not browser.said  # nor did the page try
+    page.context.close()
+
+
 def test_without_simd_it_is_slower_and_says_so(browser, served):
     lacks = "WebAssembly.validate = () => false;"
     page = without(browser, f"{served.url}#scene=arena&eye=melophorus", lacks)
@@ -55,6 +67,16 @@ def test_without_isolation_there_is_one_thread(browser, served):
     page.wait_for_selector("body[data-ready=simd]")
     threads = page.evaluate("fetch('./data/data.json').then((answer) => answer.json())")["engines"]
     assert ("One thread" in page.inner_text("#said")) == ("threads" in threads)
+    page.context.close()
+
+
+def test_where_threads_do_not_start_there_is_one(browser, served):
+    page = browser.open("about:blank", wait=False)
+    page.route("**/omma_threads.js", lambda route: route.abort())
+    page.goto(f"{served.url}#scene=arena&eye=melophorus")
+    page.wait_for_selector("body[data-ready=simd]")
+    threads = page.evaluate("fetch('./data/data.json').then((answer) => answer.json())")["engines"]
+    assert ("did not start" in page.inner_text("#said")) == ("threads" in threads)
     page.context.close()
 
 

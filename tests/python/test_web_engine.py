@@ -20,7 +20,7 @@ EYE = ROOT / "examples" / "honeybee_worker_left.eye"
 MODULES = ("omma", "omma_plain")  # that with threads is tested where they are, in browsers
 
 
-def run(module, scene, eye, poses, out, first_frame=0, **options):
+def run(module, scene, eye, poses, out, first_frame=0, widths=None, **options):
     """What the module answers, and its responses."""
     if shutil.which("node") is None or not (ENGINE / f"{module}.js").is_file():
         pytest.skip(f"Node.js or build/web/engine/{module}.js is not there: scripts/web_engine")
@@ -28,6 +28,7 @@ def run(module, scene, eye, poses, out, first_frame=0, **options):
         "module": str(ENGINE / f"{module}.js"),
         "scene": str(scene),
         "eye": str(eye),
+        "widths": widths,
         "options": options,
         "poses": [pose.ravel().tolist() for pose in poses],
         "first_frame": first_frame,
@@ -141,6 +142,63 @@ def test_receptors_by_type(tmp_path):
     responses = found.reshape(-1, 2)
     assert np.array_equal(np.isnan(responses), [[False, len(kind) == 1] for kind in kinds])
     assert np.allclose(found[~np.isnan(found)], expected, rtol=4 * 2**-24, atol=0)
+
+
+def test_receptors_beside_the_axis(tmp_path):
+    # As above; each receptor looks by rays of its own.
+    ahead = omma.receptors.ReceptorType("R8", peak_wavelength_nm=540)
+    beside = omma.receptors.ReceptorType("R1", peak_wavelength_nm=478, right_rad=0.1, up_rad=-0.05)
+    wide = omma.receptors.ReceptorType(
+        "R7", peak_wavelength_nm=440, acceptance=omma.Acceptance.gaussian(0.2)
+    )
+    eye = omma.load_eye(EYE).take(np.arange(0, 5380, 100))
+    kinds = [[0, 1], [1, 2]] * (len(eye.axis) // 2)
+    eye = eye.replace(receptor_types=[ahead, beside, wide], receptors=kinds)
+    path = tmp_path / "eye.csv"
+    omma.save_eye(path, eye)
+    scene = write_gltf(tmp_path / "arena.gltf")
+    pose = omma.look_at((1, 2, 3), (0, 0, 0))[None]
+    answer, found = run("omma", scene, path, pose, tmp_path / "out", rays=4, receptors=True)
+    renderer = omma.Renderer(
+        omma.load_scene(scene), omma.load_eye(path), omma.Fixed(4), backend="portable"
+    )
+    expected = np.ravel(renderer.render_receptors(pose))
+    assert answer["info"]["labels"] == ["R8", "R1", "R7"]
+    assert np.isnan(found.reshape(-1, 3)).tolist() == [
+        [t not in k for t in range(3)] for k in kinds
+    ]
+    assert np.allclose(found[~np.isnan(found)], expected, rtol=4 * 2**-24, atol=0)
+    assert np.count_nonzero(expected) > len(expected) // 4
+
+
+@pytest.mark.parametrize("kind", ["lens_rhabdom", "airy", "table", "gaussian"])
+def test_acceptances_of_every_kind_are_scaled(kind, tmp_path):
+    made = {
+        "lens_rhabdom": lambda k: omma.Acceptance.lens_rhabdom(
+            facet_diameter_m=25e-6 / k, wavelength_nm=500, focal_length_m=66e-6 / k,
+            rhabdom_diameter_m=2e-6,
+        ),
+        "airy": lambda k: omma.Acceptance.airy(facet_diameter_m=25e-6 / k, wavelength_nm=500),
+        "table": lambda k: omma.Acceptance.table([0, 0.02 * k, 0.05 * k], [1, 0.4, 0]),
+        "gaussian": lambda k: omma.Acceptance.gaussian(
+            0.05 * k, minor_width_rad=0.03 * k, major_angle_rad=1
+        ),
+    }[kind]  # fmt: skip
+    axes = omma.load_eye(EYE).axis[::100]
+    paths = [tmp_path / "one.csv", tmp_path / "two.csv"]
+    for k, path in zip((1, 2), paths, strict=True):
+        eye = omma.Eye(position_m=np.zeros_like(axes), axis=axes, acceptance=made(k))
+        omma.save_eye(path, eye)
+    scene = write_gltf(tmp_path / "arena.gltf")
+    pose = omma.look_at((1, 2, 3), (0, 0, 0))[None]
+    scaled, found = run("omma", scene, paths[0], pose, tmp_path / "out", widths=2, rays=4)
+    _, wanted = run("omma", scene, paths[1], pose, tmp_path / "out", rays=4)
+    assert np.array_equal(found.view(np.uint32), wanted.view(np.uint32))
+    # Lenses scale in the sine, the others in the angle. Widths are found to 1e-6 of themselves.
+    half = omma.load_eye(paths[0]).acceptance_angle_rad[0] / 2
+    is_lens = kind in ("lens_rhabdom", "airy")
+    width = 2 * np.arcsin(2 * np.sin(half)) if is_lens else 4 * half
+    assert scaled["acceptance_rad"] == pytest.approx(width, rel=1e-5)
 
 
 @pytest.mark.parametrize("broken", ["scene", "eye"])

@@ -112,6 +112,30 @@ def test_receptors_and_scaled_acceptances(page, folder):
     assert plain.shape == (1010, 3)
 
 
+def test_receptors_beside_the_axis(browser, served, folder):
+    # A fruit fly's, whose R7 and R8 are of several types of one name each.
+    page = opened(browser, f"{served.url}#scene=arena&eye=drosophila")
+    values, labels, matrix = seen(page, shown=FALSE_COLOURS)
+    assert labels[:6] == [f"R{k}" for k in range(1, 7)]
+    eye = omma.load_eye(unpacked("drosophila.csv", folder))
+    names = [eye.receptor_types[t].name for t in eye.receptor_type]
+    world = omma.World(omma.load_scene(unpacked("arena.glb", folder)), backend="portable")
+    expected = omma.Renderer(world, eye, omma.Fixed(4), seed=0).render_receptors(matrix)[0]
+    at = np.repeat(np.arange(len(eye.axis)), np.diff(eye.first_receptor))
+    found = values[at, [labels.index(name) for name in names]]
+    # As above.
+    assert np.allclose(found, expected, rtol=3e-7, atol=0)
+    assert np.count_nonzero(~np.isnan(values)) == len(expected)
+    # R7 and R8 are of pale or yellow ommatidia; what all have makes the picture, without holes.
+    assert np.isnan(values).any()
+    holes = """() => {
+  const { pixels, ids } = omma.app.picture;
+  return pixels.some((colour, k) => ids[k] >= 0 && colour >>> 24 !== 255);
+}"""
+    assert not page.evaluate(holes)
+    page.context.close()
+
+
 def test_a_picked_ommatidium_says_its_numbers(page, folder):
     _, _, matrix = seen(page, picked=-1)
     box = page.locator("#eye").bounding_box()
@@ -188,6 +212,53 @@ def test_keys_and_drags_move_the_head(page):
     frames = page.evaluate("omma.app.frames")
     page.wait_for_timeout(300)
     assert page.evaluate("omma.app.frames") == frames
+
+
+def test_fingers_turn_the_head_and_fly(browser, served):
+    page = opened(
+        browser, f"{served.url}#scene=arena&eye=melophorus", 390, 844, has_touch=True,
+        is_mobile=True,
+    )  # fmt: skip
+    seen(page, pose={"x": 0, "y": 0, "z": 0, "yaw": 0, "pitch": 0, "roll": 0})
+    fingers = page.context.new_cdp_session(page)
+
+    def touch(kind, **places):
+        points = [{"id": int(name[1:]), "x": x, "y": y} for name, (x, y) in places.items()]
+        fingers.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points})
+
+    def middle(of):
+        box = page.locator(of).bounding_box()
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def pose():
+        return page.evaluate("omma.app.state.pose")
+
+    x, y = middle("#eye")
+    ahead, back = middle("[data-hold='1']"), middle("[data-hold='-1']")
+    touch("Start", f0=(x, y))
+    touch("Move", f0=(x - 50, y + 25))
+    touch("End")
+    # 0.12 degrees a pixel; how Chromium rounds the places of fingers is its own.
+    assert pose()["yaw"] == pytest.approx(6, abs=0.13)
+    assert pose()["pitch"] == pytest.approx(3, abs=0.13)
+    # One finger goes ahead, another one turns the head meanwhile.
+    touch("Start", f0=ahead)
+    until(lambda: pose()["z"] < -1e-3)
+    touch("Start", f0=ahead, f1=(x, y))
+    touch("Move", f0=ahead, f1=(x - 50, y))
+    assert pose()["yaw"] == pytest.approx(12, abs=0.25)
+    before = pose()["z"]
+    until(lambda: pose()["z"] < before)
+    touch("End")
+    page.evaluate("new Promise(requestAnimationFrame)")
+    before = pose()["z"]
+    touch("Start", f0=back)
+    until(lambda: pose()["z"] > before)
+    touch("End")
+    page.touchscreen.tap(0.6 * x, y)  # the left eye's picture
+    until(lambda: page.evaluate("omma.app.state.picked") >= 0)
+    assert page.evaluate("scrollY") == 0
+    page.context.close()
 
 
 def test_own_files_are_read(page, folder):

@@ -41,21 +41,34 @@ val info_of(const EyeHandle& handle) {
   });
 }
 
+// S of all angles divided by a factor; of functions of sin theta, of all sines. Lens and focal
+// length are as many times smaller: a rhabdom then has the same size in the same blur disc, at the
+// same f-number, and both lie as many times further apart in angle.
+void scale(Acceptance& acceptance, double factor) {
+  acceptance.width_rad *= factor;
+  acceptance.minor_width_rad *= factor;
+  acceptance.facet_diameter_m /= factor;
+  acceptance.focal_length_m /= factor;
+  if (!acceptance.table) return;
+  SensitivityTable table = *acceptance.table;
+  for (double& right : table.right_rad) right *= factor;
+  for (double& up : table.up_rad) up *= factor;
+  acceptance.table = std::make_shared<const SensitivityTable>(std::move(table));
+}
+
 // The same eye with all acceptance angles times a factor.
 EyeHandle scaled(const EyeHandle& handle, double factor) {
   return checked([&] {
-    if (!(factor >= 0 && factor <= 1000))
-      throw Error("factor: expected a number from 0 to 1000, found " + std::to_string(factor));
+    if (!(factor >= 0.001 && factor <= 1000))
+      throw Error("factor: expected a number from 0.001 to 1000, found " + std::to_string(factor));
     Eye eye = *handle.eye;
-    for (float& angle : eye.acceptance_angle_rad) angle *= static_cast<float>(factor);
-    for (Acceptance& own : eye.acceptances) {
-      if (own.width_rad == 0)
-        throw Error(
-            "factor: expected an eye whose acceptances have widths, found lenses or tables, which "
-            "have none that could be scaled");
-      own.width_rad *= factor;
-      own.minor_width_rad *= factor;
-    }
+    for (std::size_t i = 0; i < eye.size(); ++i)
+      // Of what has an acceptance of its own validate_eye finds the mean width.
+      eye.acceptance_angle_rad[i] *=
+          !eye.acceptance_of.empty() && eye.acceptance_of[i] >= 0 ? 0 : static_cast<float>(factor);
+    for (Acceptance& own : eye.acceptances) scale(own, factor);
+    for (ReceptorType& type : eye.receptor_types)
+      if (type.acceptance) scale(*type.acceptance, factor);
     validate_eye(eye);
     return EyeHandle{std::make_shared<const Eye>(std::move(eye))};
   });

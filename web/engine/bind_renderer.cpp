@@ -1,12 +1,15 @@
 // Worlds and renderers for JavaScript.
 #include <emscripten/bind.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "handles.h"
 #include "omma/receptor.h"
+#include "omma/receptor_views.h"
 #include "omma/render.h"
 #include "values.h"
 
@@ -84,39 +87,58 @@ Options read_options(const val& options) {
   return found;
 }
 
-// What receptors make of red, green and blue, [type][band]; omma::Error where they do not all look
-// through their ommatidium's own acceptance.
-std::vector<double> weights_of(const Eye& eye) {
+// The index of a value in a list, to which it is added where it is not there.
+template <typename T>
+std::size_t index_in(std::vector<T>& list, const T& value) {
+  const auto found = std::find(list.begin(), list.end(), value);
+  const auto index = static_cast<std::size_t>(found - list.begin());
+  if (found == list.end()) list.push_back(value);
+  return index;
+}
+
+// What is rendered of an eye's receptors, and where it goes. Types differ by where they look, too:
+// a fly's eye has a thousand, of few sensitivities and names.
+struct Receptors {
+  std::vector<std::array<double, rgb_bands>> sensitivities;  // weights of red, green and blue
+  std::vector<std::string> names;
+  std::vector<std::size_t> sensitivity_of_type, name_of_type;  // [type], indices of those
+  std::vector<std::int32_t> view_of_receptor;                  // [receptor]
+};
+
+Receptors receptors_of(const Eye& eye) {
   if (eye.receptor_types.empty())
     throw Error("receptors: expected an eye with receptors, found none");
-  std::vector<double> weights;
+  Receptors receptors;
   for (const ReceptorType& type : eye.receptor_types) {
-    if (type.right_rad != 0 || type.up_rad != 0 || type.acceptance)
-      throw Error("receptors: expected those that look along their ommatidium's axis, found \"" +
-                  type.name + "\" beside it or with an acceptance of its own");
-    for (const double weight : receptor_weights(type)) weights.push_back(weight);
+    receptors.sensitivity_of_type.push_back(
+        index_in(receptors.sensitivities, receptor_weights(type)));
+    receptors.name_of_type.push_back(index_in(receptors.names, type.name));
   }
-  return weights;
+  return receptors;
 }
 
 class RendererHandle {
  public:
   RendererHandle(const WorldHandle& world, const EyeHandle& eye, const Options& options)
-      : renderer_(std::make_shared<Renderer>(world.world, *eye.eye, options.settings)),
-        error_(options.error) {
-    if (options.receptors) weights_ = weights_of(*eye.eye);
+      : eye_(eye.eye), error_(options.error) {
+    if (options.receptors) {
+      receptors_ = receptors_of(*eye_);
+      for (const auto& row : receptors_->sensitivities)
+        weights_.insert(weights_.end(), row.begin(), row.end());
+      ReceptorViews views = receptor_views(*eye_);
+      receptors_->view_of_receptor = std::move(views.view_of_receptor);
+      renderer_ = std::make_shared<Renderer>(world.world, std::move(views.eye), options.settings);
+    } else {
+      renderer_ = std::make_shared<Renderer>(world.world, *eye_, options.settings);
+    }
   }
 
   val info() const {
     return checked([&] {
       val info = val::object();
-      std::vector<std::string> labels{"red", "green", "blue"};
-      if (!weights_.empty()) {
-        labels.clear();
-        for (const ReceptorType& type : renderer_->eye().receptor_types)
-          labels.push_back(type.name);
-      }
-      info.set("bands", outputs());
+      const std::vector<std::string> labels =
+          receptors_ ? receptors_->names : std::vector<std::string>{"red", "green", "blue"};
+      info.set("bands", labels.size());
       info.set("labels", list_of(labels));
       info.set("rays_per_frame",
                static_cast<double>(renderer_->rays_per_frame()) * (error_ ? error_scrambles : 1));
@@ -139,36 +161,40 @@ class RendererHandle {
       }
       const Mat4 pose = matrix_of(world_from_head, "world_from_head");
       renderer_->render(std::span<const Mat4>(&pose, 1), responses_, call);
-      leave_out(responses_);
-      if (error_) leave_out(errors_);
-      return array_of(responses_);
+      return array_of(by_ommatidium(responses_));
     });
   }
 
-  val error() const { return errors_.empty() ? val::null() : array_of(errors_); }
+  val error() const { return errors_.empty() ? val::null() : array_of(by_ommatidium(errors_)); }
 
  private:
-  std::size_t outputs() const { return weights_.empty() ? rgb_bands : weights_.size() / rgb_bands; }
+  std::size_t outputs() const { return receptors_ ? receptors_->sensitivities.size() : rgb_bands; }
 
-  // NaN where an ommatidium has no receptor of a type.
-  void leave_out(std::vector<float>& values) const {
-    if (weights_.empty()) return;
-    const Eye& eye = renderer_->eye();
-    const std::size_t types = outputs();
-    std::vector<char> has(types);
-    for (std::size_t i = 0; i < eye.size(); ++i) {
-      std::fill(has.begin(), has.end(), 0);
-      for (std::int32_t r = eye.first_receptor[i]; r < eye.first_receptor[i + 1]; ++r)
-        has[static_cast<std::size_t>(eye.receptor_type[static_cast<std::size_t>(r)])] = 1;
-      for (std::size_t t = 0; t < types; ++t)
-        if (!has[t]) values[i * types + t] = std::numeric_limits<float>::quiet_NaN();
+  // [ommatidium][name] of what views see, NaN where an ommatidium has no receptor of that name; or
+  // as they are without receptors.
+  std::vector<float> by_ommatidium(const std::vector<float>& seen) const {
+    if (!receptors_) return seen;
+    const std::size_t names = receptors_->names.size();
+    std::vector<float> values(eye_->size() * names, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < eye_->size(); ++i) {
+      const auto first = static_cast<std::size_t>(eye_->first_receptor[i]);
+      const auto end = static_cast<std::size_t>(eye_->first_receptor[i + 1]);
+      for (std::size_t r = first; r < end; ++r) {
+        const auto type = static_cast<std::size_t>(eye_->receptor_type[r]);
+        const auto view = static_cast<std::size_t>(receptors_->view_of_receptor[r]);
+        values[i * names + receptors_->name_of_type[type]] =
+            seen[view * outputs() + receptors_->sensitivity_of_type[type]];
+      }
     }
+    return values;
   }
 
-  std::shared_ptr<Renderer> renderer_;
-  std::vector<double> weights_;  // [type][band] of receptors, or empty
+  std::shared_ptr<const Eye> eye_;
+  std::shared_ptr<Renderer> renderer_;  // of the eye, or of the views of its receptors
+  std::optional<Receptors> receptors_;
+  std::vector<double> weights_;  // [sensitivity][band] of receptors, or empty
   bool error_;
-  std::vector<float> responses_, errors_;  // [ommatidium][output]
+  std::vector<float> responses_, errors_;  // [ommatidium or view][output]
 };
 
 RendererHandle make_renderer(const WorldHandle& world, const EyeHandle& eye, const val& options) {

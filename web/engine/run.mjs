@@ -1,10 +1,11 @@
 // Renders by the JavaScript module in Node.js what a request (JSON, on standard input) says; the
 // tests' and the benchmark's side of JavaScript.
 //   node web/engine/run.mjs < request
-// The request: module (path of the .js), scene and eye (paths), options (of make_renderer), poses
-// (16 numbers each, row by row), first_frame, times (each is rendered so often), responses (a file
-// for what the last time gave, float32). The answer: info of the renderer, seconds of each frame and
-// those of the processor, memory_bytes before and after.
+// The request: module (path of the .js), scene and eye (paths), widths (acceptance angles times this;
+// or none), options (of make_renderer), poses (16 numbers each, row by row), first_frame, times (each
+// is rendered so often), responses (a file for what the last time gave, float32). The answer: info of
+// the renderer, acceptance_rad of the first ommatidium, seconds of each frame and those of the
+// processor, memory_bytes before and after.
 import fs from 'node:fs';
 import path from 'node:path';
 
@@ -17,12 +18,14 @@ const load = (file) => [path.basename(file), new Uint8Array(fs.readFileSync(file
 const answer = {};
 try {
   const scene = omma.load_scene(...load(request.scene));
-  const eye = omma.load_eye(...load(request.eye), 1e-3);
+  const own = omma.load_eye(...load(request.eye), 1e-3);
+  const eye = request.widths ? own.scaled(request.widths) : own;
   const world = omma.make_world(scene);
   const renderer = omma.make_renderer(world, eye, request.options ?? {});
   const responses = [];
   answer.build = omma.build();
   answer.info = renderer.info();
+  answer.acceptance_rad = eye.acceptance_rad()[0];
   answer.seconds = [];
   answer.processor_seconds = [];
   answer.memory_bytes = [omma.memory_bytes()];

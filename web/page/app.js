@@ -6,6 +6,7 @@ import { Died, Engine } from './engine.js';
 import { matrixOf, poseFrom, pose as poseAt } from './pose.js';
 
 const STILL_MS = 400; // after which the picked ommatidium's standard error is asked for
+const MOVING_MS = 150; // after a frame, until which another one is expected
 const isReceptors = (shown) => shown.startsWith('receptor');
 
 export class App {
@@ -29,6 +30,7 @@ export class App {
     try {
       Object.assign(this, await this.engine.ask('start', { kind: kinds[0] }));
     } catch (error) {
+      this.engine.end();
       if (kinds.length === 1) throw error;
       await this.start(kinds.slice(1)); // a slower one may run
     }
@@ -50,11 +52,16 @@ export class App {
     this.want({ frame: true });
   }
 
+  /** Whether frames follow each other, as while the head moves. */
+  isBusy() {
+    return Boolean(this.working) || performance.now() - (this.times.at(-1) ?? 0) < MOVING_MS;
+  }
+
   /** Shows the last frame again, in the colours that are wanted. */
   paint() {
     const { seen, state } = this;
     if (!seen || !this.picture.ids) return;
-    const bands = bandsShown(state.shown, seen.labels);
+    const bands = bandsShown(state.shown, seen.labels, seen.responses);
     const white = whiteOf(seen.responses, seen.labels.length, bands, state.automatic);
     const gain = 2 ** state.exposure / white;
     this.picture.paint(coloursOf(seen.responses, seen.labels.length, bands, gain, state.palette));
@@ -168,10 +175,25 @@ export class App {
 
   async #render() {
     if (!this.picture.ids) await this.#project();
+    // The next frame is rendered while this one is painted.
+    for (let asked = this.#ask(); asked;) {
+      const seen = await asked;
+      const isFrameAll = this.wanted.frame && Object.keys(this.wanted).length === 1;
+      if (isFrameAll) this.wanted = {};
+      asked = isFrameAll ? this.#ask() : null;
+      this.#see(seen);
+    }
+  }
+
+  async #ask() {
     const { pose, rays } = this.state;
     const { labels } = this.renderer;
     const frame = await this.engine.ask('render', { pose: matrixOf(pose), frame: 0 });
-    this.seen = { ...frame, errors: null, labels, rays, pose };
+    return { ...frame, errors: null, labels, rays, pose };
+  }
+
+  #see(seen) {
+    this.seen = seen;
     this.frames += 1;
     const now = performance.now();
     this.times = [...this.times.filter((one) => one > now - 1000), now];

@@ -25,15 +25,24 @@ export function falseColour(value) {
 }
 
 /** Which bands are shown as red, green and blue: three, or one three times. */
-export function bandsShown(shown, labels) {
+export function bandsShown(shown, labels, responses) {
   const band = labels.indexOf(shown.replace(/^receptor /, ''));
   if (band >= 0) return [band, band, band];
-  // False colours: the longest waves in red, as the window of `omma view` has them.
-  if (shown === 'receptors, false colours') {
-    if (labels.length === 2) return [0, 0, 1];
-    return labels.length >= 3 ? [labels.length - 1, labels.length - 2, 0] : [0, 0, 0];
+  if (shown !== 'receptors, false colours') return [0, 1, 2];
+  // The longest waves in red, as the window of `omma view` has them.
+  const [first, second, third] = mostFrequent(responses, labels.length);
+  if (third !== undefined) return [third, second, first];
+  return second !== undefined ? [first, first, second] : [first, first, first];
+}
+
+// Of the receptors the three that most ommatidia have, in their order; a fly's eye has ten.
+function mostFrequent(responses, width) {
+  const counts = new Array(width).fill(0);
+  for (let k = 0; k < responses.length; k += 1) {
+    if (!Number.isNaN(responses[k])) counts[k % width] += 1;
   }
-  return [0, 1, 2];
+  const sorted = [...counts.keys()].sort((a, b) => counts[b] - counts[a] || a - b);
+  return sorted.slice(0, 3).sort((a, b) => a - b);
 }
 
 /** What is shown as white: 1, or what nearly all numbers of these bands stay below. */

@@ -10,7 +10,8 @@ const WITHOUT_DIRECTIONS = ['facets', 'single_dimension', 'hemisphere'];
 export class EyePicture {
   constructor(canvas) {
     this.canvas = canvas;
-    this.context = canvas.getContext('2d');
+    // Pixels are written one by one: they stay in the processor's memory.
+    this.context = canvas.getContext('2d', { willReadFrequently: true });
     this.ids = null;
     this.edge = [];
   }

@@ -46,21 +46,24 @@ export class Hands {
       if (event.button !== 0 || drag) return;
       event.preventDefault();
       canvas.setPointerCapture(event.pointerId);
-      drag = { from: [event.clientX, event.clientY], at: [event.clientX, event.clientY], far: false };
+      const from = [event.clientX, event.clientY];
+      drag = { pointer: event.pointerId, from, at: from, far: false };
     });
     canvas.addEventListener('pointermove', (event) => {
-      if (!drag || document.pointerLockElement) return;
+      if (drag?.pointer !== event.pointerId || document.pointerLockElement) return;
       const { clientX: x, clientY: y } = event;
       drag.far ||= Math.hypot(x - drag.from[0], y - drag.from[1]) > FARTHEST_CLICK;
       // The view is taken along, as a map is.
       if (drag.far) this.#look(drag.at[0] - x, drag.at[1] - y);
       drag.at = [x, y];
     });
-    canvas.addEventListener('pointerup', (event) => {
-      if (drag && !drag.far) this.acts.pick(event.clientX, event.clientY);
-      drag = null;
-    });
-    canvas.addEventListener('pointercancel', () => { drag = null; });
+    for (const name of ['pointerup', 'pointercancel']) {
+      canvas.addEventListener(name, (event) => {
+        if (drag?.pointer !== event.pointerId) return; // another finger's
+        if (name === 'pointerup' && !drag.far) this.acts.pick(event.clientX, event.clientY);
+        drag = null;
+      });
+    }
   }
 
   /** A button that goes ahead (1) or back (-1) while it is held. */

@@ -235,7 +235,8 @@ async function viewOfScene() {
     const { yaw, pitch, roll } = app.state.pose;
     app.go(poseAt(x, y, z, yaw, pitch, roll));
   };
-  return new SceneView(three, OrbitControls, $('scene'), context, drag);
+  const isBusy = () => app.isBusy();
+  return new SceneView(three, OrbitControls, $('scene'), context, { drag, isBusy });
 }
 
 /** Takes what a link says; what it says wrongly is told. */
@@ -270,7 +271,7 @@ async function begin() {
   }
   [view] = await Promise.all([viewOfScene(), app.start(kinds)]);
   panel = new Panel(data, app.projections, choose);
-  remark('engine', slower(app.engine.kind, data.engines));
+  remark('engine', slower(app.engine.kind, data.engines, asked.get('engine')));
   await open({ state, wrong });
   document.body.dataset.ready = app.engine.kind;
   if (isEmbedded) return;

@@ -1,12 +1,17 @@
 // The scene's own view, by three.js: its surfaces as the engine has read them, and the head in it as
-// an arrow that can be dragged. It draws when something has changed, and not otherwise.
+// an arrow that can be dragged. It draws when something has changed, and not otherwise; the eye's
+// picture goes before it.
 
+import { Instances } from './instances.js';
 import { matrixOf } from './pose.js';
 
 export const MOST_TRIANGLES = 1500000; // what a browser draws without effort
 const HEAD = 0xffdc00;
 const GRAB_PIXELS = 26;
-const SLOW_MS = 50;
+// A drawing that takes longer than this takes only that share of the time while the eye sees.
+const SLOW_MS = 12;
+const SHARE = 0.1;
+const LOOK_MS = 30; // how often it looks whether its time has come
 
 /** The diagonal of a scene, m; 10 of one that has nothing in it. */
 export function sizeOf(bounds) {
@@ -15,12 +20,10 @@ export function sizeOf(bounds) {
 }
 
 export class SceneView {
-  /** three, OrbitControls: of three.js; context: the canvas's WebGL; onDrag(x, y, z): the head is
-   * dragged there. */
-  constructor(three, OrbitControls, canvas, context, onDrag) {
-    this.three = three;
-    this.canvas = canvas;
-    this.onDrag = onDrag;
+  /** three, OrbitControls: of three.js; context: the canvas's WebGL; acts: drag(x, y, z), the head is
+   * dragged there; isBusy(), whether the eye's picture is being made. */
+  constructor(three, OrbitControls, canvas, context, acts) {
+    Object.assign(this, { three, canvas, context, acts });
     this.renderer = new three.WebGLRenderer({ canvas, context, antialias: true });
     this.renderer.gammaOutput = true;
     this.renderer.gammaFactor = 2.2;
@@ -32,8 +35,10 @@ export class SceneView {
     this.head = headOf(three);
     this.scene.add(this.head);
     this.parts = null;
+    this.instances = [];
     this.wanted = false;
-    this.rested = 0; // when it may draw again
+    this.drawing = false; // until the graphics card has done it
+    this.rested = 0; // when it may draw again while the eye sees
     this.#listen();
     new ResizeObserver(() => this.#resize()).observe(canvas.parentElement);
     this.#resize();
@@ -50,13 +55,16 @@ export class SceneView {
       });
     }
     this.parts = new this.three.Group();
+    this.instances = [];
     const images = texturesOf(this.three, drawn.images);
     let number = 0;
     for (const part of drawn.parts) {
       const more = (part.triangles.length / 3) * (part.instances.length / 16);
       if (number + more > MOST_TRIANGLES) continue;
       number += more;
-      this.parts.add(meshOf(this.three, part, images.get(part.image)));
+      const instances = instancesOf(this.three, part, images.get(part.image));
+      this.instances.push(instances);
+      this.parts.add(instances.mesh);
     }
     this.scene.add(this.parts);
     this.scene.background = new this.three.Color(...background).convertLinearToGamma(2.2);
@@ -99,21 +107,59 @@ export class SceneView {
     this.draw();
   }
 
-  // Without a graphics card a drawing may take long, and the eye's picture has to wait for it: then
-  // three times as long goes by until the next one.
+  /** Draws as soon as it may. Without a graphics card a drawing takes the processor from the engine. */
   draw() {
     if (this.wanted) return;
     this.wanted = true;
-    const wait = Math.max(0, this.rested - performance.now());
-    setTimeout(() => requestAnimationFrame(() => {
-      this.wanted = false;
-      const before = performance.now();
-      this.renderer.render(this.scene, this.camera);
-      requestAnimationFrame(() => {
-        const took = performance.now() - before;
-        this.rested = took > SLOW_MS ? performance.now() + 3 * took : 0;
-      });
-    }), wait);
+    if (!this.drawing) requestAnimationFrame(() => this.#drawWhenFree());
+  }
+
+  #drawWhenFree() {
+    if (!this.wanted) return;
+    if (performance.now() < this.rested && this.acts.isBusy()) {
+      setTimeout(() => this.#drawWhenFree(), LOOK_MS);
+      return;
+    }
+    this.wanted = false;
+    this.drawing = true;
+    const before = performance.now();
+    this.#leaveOut();
+    this.renderer.render(this.scene, this.camera);
+    this.#whenDrawn(() => {
+      const took = performance.now() - before;
+      this.rested = took > SLOW_MS ? before + took / SHARE : 0;
+      this.drawing = false;
+      if (this.wanted) requestAnimationFrame(() => this.#drawWhenFree());
+    });
+  }
+
+  #leaveOut() {
+    const { three, camera, canvas } = this;
+    camera.updateMatrixWorld();
+    const seen = new three.Matrix4().getInverse(camera.matrixWorld).premultiply(camera.projectionMatrix);
+    const frustum = new three.Frustum().setFromMatrix(seen);
+    const pixels = (canvas.height / 2) * camera.projectionMatrix.elements[5];
+    for (const each of this.instances) each.see(frustum, camera.position, pixels);
+  }
+
+  // Calls of WebGL come back before they are done; WebGL 1 cannot say when they are.
+  #whenDrawn(then) {
+    const gl = this.context;
+    if (!gl.fenceSync) {
+      requestAnimationFrame(() => requestAnimationFrame(then));
+      return;
+    }
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) {
+        setTimeout(look, 4);
+        return;
+      }
+      gl.deleteSync(fence);
+      then();
+    };
+    setTimeout(look, 0);
   }
 
   #resize() {
@@ -162,7 +208,7 @@ export class SceneView {
       }
       toRay(event);
       const place = caster.ray.intersectPlane(plane, new three.Vector3());
-      if (place) this.onDrag(place.x, place.y, place.z);
+      if (place) this.acts.drag(place.x, place.y, place.z);
     }, true);
     for (const name of ['pointerup', 'pointercancel']) {
       canvas.addEventListener(name, (event) => {
@@ -206,7 +252,7 @@ function texturesOf(three, images) {
   return textures;
 }
 
-function meshOf(three, part, texture) {
+function instancesOf(three, part, texture) {
   const geometry = new three.BufferGeometry();
   const take = (name, numbers, width) => {
     geometry.setAttribute(name, new three.BufferAttribute(numbers, width));
@@ -224,15 +270,7 @@ function meshOf(three, part, texture) {
     transparent: part.alpha === 'blend',
     opacity: part.alpha === 'blend' ? part.colour[3] : 1,
   });
-  const places = part.instances.length / 16;
-  const mesh = new three.InstancedMesh(geometry, material, places);
-  const place = new three.Matrix4();
-  for (let k = 0; k < places; k += 1) {
-    place.set(...part.instances.subarray(16 * k, 16 * k + 16));
-    mesh.setMatrixAt(k, place);
-  }
-  mesh.frustumCulled = false; // its places lie all over the scene
-  return mesh;
+  return new Instances(three, geometry, material, part.instances);
 }
 
 function rgbOf(rgba) {

@@ -17,11 +17,14 @@ export function enginesHere(there, asked) {
   return found.includes(asked) ? [asked] : found;
 }
 
-/** What makes this engine slower than the best one, in words; '' where nothing does. */
-export function slower(kind, there) {
+/** What makes this engine slower than the best one, in words; '' where nothing does, or it was
+ * asked for. */
+export function slower(kind, there, asked) {
+  if (kind === asked) return '';
   if (kind === 'plain') return 'This browser has no WebAssembly SIMD: the same numbers, slower.';
   if (kind === 'simd' && there.includes('threads')) {
-    return 'One thread: this address is not isolated (headers COOP and COEP), so that there are no more.';
+    return hasThreads() ? 'One thread: the engine with threads did not start.'
+      : 'One thread: this address is not isolated (headers COOP and COEP), so that there are no more.';
   }
   return '';
 }

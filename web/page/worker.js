@@ -83,7 +83,7 @@ const requests = {
 
   render({ pose, frame }) {
     const before = performance.now();
-    const responses = byName(renderer.render(pose, frame));
+    const responses = renderer.render(pose, frame);
     return { responses, milliseconds: performance.now() - before, memory: omma.memory_bytes() };
   },
 
@@ -91,7 +91,7 @@ const requests = {
   errors({ pose }) {
     const exact = rendererOf(world, seeing, settings, true);
     try {
-      return { responses: byName(exact.render(pose, 0)), errors: byName(exact.error()) };
+      return { responses: exact.render(pose, 0), errors: exact.error() };
     } finally {
       free(exact);
     }
@@ -108,23 +108,7 @@ function rendererOf(ofWorld, ofEye, { rays, seed, receptors } = settings, error 
 }
 
 function infoOf() {
-  if (!renderer) return null;
-  const info = renderer.info();
-  return { ...info, labels: [...new Set(info.labels)] };
-}
-
-// Receptor types of one name, of which an ommatidium has one (the others are NaN), become one.
-function byName(values) {
-  const { labels: types } = renderer.info();
-  const labels = [...new Set(types)];
-  if (labels.length === types.length) return values;
-  const merged = new Float32Array((values.length / types.length) * labels.length).fill(NaN);
-  const at = types.map((one) => labels.indexOf(one));
-  for (let k = 0; k < values.length; k += 1) {
-    const one = Math.floor(k / types.length) * labels.length + at[k % types.length];
-    if (!Number.isNaN(values[k])) merged[one] = values[k];
-  }
-  return merged;
+  return renderer?.info() ?? null;
 }
 
 function axesOf() {
