@@ -11,8 +11,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(system::reachable(folder)))
-    names.push_back(system::text_of(entry.path().filename()));
+  for (const fs::path& name : system::names_in(folder)) names.push_back(system::text_of(name));
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -36,15 +35,29 @@ TEST(FileNames, InAnyScript) {
   expect_error([&] { read_file(missing); }, {missing + ": there is no such file"});
 }
 
-// Windows takes up to 260 characters of a path as it comes.
-TEST(FileNames, LongerThanWindowsTakesThem) {
-  const TemporaryFolder folder;
-  fs::path inside = folder.path;
-  for (int i = 0; i < 5; ++i) {
-    inside /= system::path_of(std::string(60, static_cast<char>('a' + i)) + "\u00e4");
-    fs::create_directory(system::reachable(inside));
+// Folders with a path of over 300 characters, of which Windows takes 260 as they come. Removed one by
+// one: the standard library of MinGW cannot.
+class LongNames : public testing::Test {
+ protected:
+  LongNames() : inside(folder.path) {
+    for (int i = 0; i < 5; ++i) {
+      inside /= system::path_of(std::string(60, static_cast<char>('a' + i)) + "\u00e4");
+      fs::create_directory(system::reachable(inside));
+    }
   }
-  const std::string path = system::text_of(inside / "file.csv");
+  ~LongNames() override {
+    for (const fs::path& name : system::names_in(inside)) system::remove_file(inside / name);
+    for (; inside != folder.path; inside = inside.parent_path())
+      fs::remove(system::reachable(inside));
+  }
+  std::string path_of(const char* name) const { return system::text_of(inside / name); }
+
+  const TemporaryFolder folder;
+  fs::path inside;
+};
+
+TEST_F(LongNames, OfWholeFiles) {
+  const std::string path = path_of("file.csv");
   ASSERT_GT(path.size(), 300u);
   for (const char* text : {"one", "two"}) {
     write_file_atomically(path, std::string(text));
@@ -54,19 +67,21 @@ TEST(FileNames, LongerThanWindowsTakesThem) {
   files.write(files.open_kept(path, 0), std::string("three"));
   EXPECT_EQ(names_in(inside), (std::vector<std::string>{"file.csv", "file.csv.partial"}));
   EXPECT_EQ(kept_bytes(path), 5u);
-  EXPECT_TRUE(left_behind({path}).empty());
+  write_file_atomically(path_of(".file.csv.0123456789ab.partial"), std::string("xyz"));
+  ASSERT_EQ(left_behind({path}).size(), 1u);
+  EXPECT_EQ(left_behind({path})[0].bytes, 3u);
   files.finish();
   EXPECT_EQ(read_file(path), "three");
+}
 
-  // A scene there, with its buffer in a file beside it.
+TEST_F(LongNames, OfASceneWithABufferBesideIt) {
+  if (std::getenv("WINEPREFIX") != nullptr)
+    GTEST_SKIP() << "Wine 8 cannot say where paths of over 260 characters lead";
   GltfBuilder b = one_triangle();
-  write_file_atomically(system::text_of(inside / "data.bin"), bytes_of(triangle_positions));
+  write_file_atomically(path_of("data.bin"), bytes_of(triangle_positions));
   b.push("buffers", {{"byteLength", 36}, {"uri", "data.bin"}});
-  const std::string scene = system::text_of(inside / "scene.gltf");
-  write_file_atomically(scene, b.gltf());
-  EXPECT_EQ(load_scene(scene).meshes.at(0).positions.size(), 3u);
-  // Before the folder goes, whose own name is short.
-  fs::remove_all(system::reachable(inside));
+  write_file_atomically(path_of("scene.gltf"), b.gltf());
+  EXPECT_EQ(load_scene(path_of("scene.gltf")).meshes.at(0).positions.size(), 3u);
 }
 
 TEST(WholeFiles, GetTheirNamesTogetherOrAreRemoved) {
