@@ -200,11 +200,8 @@ std::vector<LeftBehind> left_behind(const std::vector<std::string>& paths) {
   for (const auto& [folder, wanted] : names) {
     std::map<std::string, std::vector<fs::path>> by_token;
     std::set<std::string> living;
-    std::error_code error;
-    const fs::path listed = system::reachable(folder);
-    for (fs::directory_iterator entry(listed, error), end; !error && entry != end;
-         entry.increment(error)) {
-      const fs::path file = folder / entry->path().filename();
+    for (const fs::path& entry : system::names_in(folder)) {
+      const fs::path file = folder / entry;
       const auto temporary = parse_temporary(system::text_of(file.filename()));
       if (!temporary) continue;
       const auto& [name, token] = *temporary;
@@ -215,6 +212,7 @@ std::vector<LeftBehind> left_behind(const std::vector<std::string>& paths) {
       if (living.contains(token)) continue;
       std::sort(files.begin(), files.end());
       for (const fs::path& file : files) {
+        std::error_code error;
         const std::uintmax_t bytes = fs::file_size(system::reachable(file), error);
         found.push_back({system::text_of(file), error ? 0 : bytes});
       }

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <system_error>
+#include <vector>
 
 namespace omma::system {
 
@@ -33,6 +34,10 @@ std::filesystem::path resolved(const std::filesystem::path& path, std::error_cod
 // The file that is made, or replaced, where one of that name is written: all links followed, also
 // one that leads to nothing yet.
 std::filesystem::path link_target(const std::filesystem::path& path);
+
+// Names of what is in a folder, in no order; none where it cannot be read. Of long names the standard
+// library of MinGW lists another folder.
+std::vector<std::filesystem::path> names_in(const std::filesystem::path& folder);
 
 // An open file: a descriptor, or a handle of Windows.
 using File = std::intptr_t;

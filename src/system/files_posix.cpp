@@ -56,6 +56,15 @@ fs::path link_target(const fs::path& path) {
   return target;
 }
 
+std::vector<fs::path> names_in(const fs::path& folder) {
+  std::vector<fs::path> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    names.push_back(entry->path().filename());
+  return names;
+}
+
 std::string reason() {
   return errno != 0 ? std::strerror(errno) : "unknown error";
 }

@@ -115,6 +115,21 @@ fs::path link_target(const fs::path& path) {
   return error ? path : target;
 }
 
+std::vector<fs::path> names_in(const fs::path& folder) {
+  std::vector<fs::path> names;
+  WIN32_FIND_DATAW entry;
+  // What the folder's own name asks for need not be what the longer one does, which begins at 248.
+  const fs::path all = reachable(folder / fs::path("any")).parent_path() / "*";
+  const HANDLE found = FindFirstFileW(all.c_str(), &entry);
+  if (found == INVALID_HANDLE_VALUE) return names;
+  do {
+    const std::wstring_view name = entry.cFileName;
+    if (name != L"." && name != L"..") names.emplace_back(name);
+  } while (FindNextFileW(found, &entry));
+  FindClose(found);
+  return names;
+}
+
 std::string reason() {
   const DWORD code = GetLastError();
   if (code == 0) return "unknown error";

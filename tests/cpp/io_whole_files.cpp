@@ -1,4 +1,5 @@
-// The one writer: what is on the disk when, links, permissions, and what killed runs leave behind.
+// The one writer on POSIX systems: what is on the disk when, links, permissions, and what killed runs
+// leave behind. What all systems have is in io_file_names.cpp.
 #include "io/whole_files.h"
 
 #include <fcntl.h>
@@ -82,22 +83,6 @@ TEST(WholeFiles, AreOnTheDiskBeforeTheyGetTheirNames) {
   EXPECT_EQ(calls()[3], "rename " + (where / "b").string());
   EXPECT_EQ(calls()[4], "sync " + where.string());
   EXPECT_EQ(names_in(where), (std::vector<std::string>{"a", "b"}));
-}
-
-TEST(WholeFiles, GetTheirNamesTogetherOrAreRemoved) {
-  const TemporaryFolder folder;
-  const std::string old = folder.write("old", "as it was");
-  {
-    WholeFiles files;
-    files.write(files.open(old), std::string("new"));
-    const std::size_t other = files.open((folder.path / "other").string());
-    files.write(other, std::string("new"));
-    files.close(other);
-    EXPECT_EQ(names_in(folder.path).size(), 3u);
-    EXPECT_EQ(read_file(old), "as it was");
-  }
-  EXPECT_EQ(names_in(folder.path), (std::vector<std::string>{"old"}));
-  EXPECT_EQ(read_file(old), "as it was");
 }
 
 TEST(WholeFiles, MoreThanAProcessMayHaveOpen) {

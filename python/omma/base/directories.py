@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import secrets
@@ -10,6 +9,7 @@ import shutil
 from pathlib import Path
 
 from omma._core import Error
+from omma.base.locks import is_free, lock_directory, sync
 
 _TOKEN_BYTES = 6
 
@@ -43,8 +43,7 @@ class WholeDirectory:
         self._own = self._beside("partial")
         try:
             self._own.mkdir()
-            self._lock = os.open(self._own, os.O_RDONLY)
-            fcntl.flock(self._lock, fcntl.LOCK_EX)  # who asks whether it is free is done at once
+            self._lock = lock_directory(str(self._own))
         except OSError as error:
             raise self._error(error) from None
         self._process = os.getpid()  # a forked child must not remove its parent's
@@ -59,7 +58,7 @@ class WholeDirectory:
         try:
             for folder, _, files in os.walk(self._own):
                 for path in [*(os.path.join(folder, file) for file in files), folder]:
-                    _sync(path)
+                    sync(path)
         except OSError as error:
             raise self._error(error) from None
 
@@ -71,7 +70,7 @@ class WholeDirectory:
             if replaces:
                 self._target.rename(old)
             self._own.rename(self._target)
-            _sync(str(self._target.parent))
+            sync(str(self._target.parent))
         except OSError as error:
             raise self._error(error) from None
         if replaces:
@@ -103,24 +102,5 @@ def abandoned_directories(name: str) -> list[str]:
     return [
         str(path)
         for path in sorted(target.parent.iterdir())
-        if pattern.fullmatch(path.name) and path.is_dir() and _is_free(path)
+        if pattern.fullmatch(path.name) and path.is_dir() and is_free(str(path))
     ]
-
-
-def _is_free(path: Path) -> bool:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    finally:
-        os.close(descriptor)
-    return True
-
-
-def _sync(path: str) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -104,7 +104,7 @@ def _root(
 
 def main() -> None:
     """Run the command line: exit code 0, 1 for an error, 2 for wrong usage, 130 for Ctrl-C, 143 and
-    129 for SIGTERM and SIGHUP."""
+    129 for SIGTERM and SIGHUP (SIGBREAK on Windows, 149)."""
     warnings.formatwarning = _warning_line
     open_missing_streams()
     with unwinding_on_signals():

@@ -56,14 +56,13 @@ def open_missing_streams() -> None:
 
 @contextmanager
 def unwinding_on_signals() -> Iterator[None]:
-    """SIGTERM and SIGHUP clean up as Ctrl-C does. For the command line only: in other programs it
-    is not ours to say what signals do."""
-    # What is ignored stays ignored: nohup.
-    taken = [
-        number
-        for number in (signal.SIGTERM, signal.SIGHUP)
-        if signal.getsignal(number) is signal.SIG_DFL
+    """SIGTERM and SIGHUP, on Windows SIGBREAK, clean up as Ctrl-C does. For the command line only:
+    in other programs it is not ours to say what signals do."""
+    ending = [
+        getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
     ]
+    # What is ignored stays ignored: nohup.
+    taken = [number for number in ending if signal.getsignal(number) is signal.SIG_DFL]
     for number in taken:
         signal.signal(number, _terminate)
     try:

@@ -6,7 +6,6 @@ is there, and ``lock``.
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import os
 import platform
@@ -21,6 +20,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.backend_names import without_ordinals
 from omma.base.files import reading
+from omma.base.locks import lock
 from omma.base.said import (
     Said,
     is_count,
@@ -212,10 +212,8 @@ def writing(store: str) -> Iterator[None]:
     except OSError as error:
         raise Error(f"{path}: cannot be written: {error.strerror}") from None
     try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise Error(f"{store}: is being written by another run") from None
+        if not lock(descriptor):
+            raise Error(f"{store}: is being written by another run")
         yield
     finally:
         os.close(descriptor)

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
+import sys
 
 
 def free_bytes() -> float:
     """Memory that can be taken without driving others out: what the system says is available, and
     where it does not, what the machine has."""
+    if sys.platform == "win32":
+        # MEMORYSTATUSEX: two 32-bit numbers, its size and the load in per cent; then seven of 64
+        # bits, the first two of which are what the machine has and what is available.
+        status = (ctypes.c_uint64 * 8)(64)
+        ctypes.windll.kernel32.GlobalMemoryStatusEx(status)
+        return float(status[2])
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             for line in file:
