@@ -110,15 +110,15 @@ OMMA_HD_CALLED LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
   return lanes & ~search_occluded(flight.search, lanes, shadow.rays);
 }
 
-// How much of each lane's light is seen, 0 to 1: of the sun by its map where there is one, else by
-// shadow rays.
+// How much of each lane's light is seen, 0 to 1: of the sun by its map where there is one and
+// nothing else is sampled from afar, else by shadow rays.
 template <typename L, typename Search>
 OMMA_HD void eval_visibility(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
                              const LightSamples<L>& lights, LaneMask<L> asked,
                              float (&visible)[L::count]) {
   using F = typename L::F;
-  const LaneMask<L> mapped =
-      flight.scene.sun_map != nullptr ? asked & lights.from_afar : LaneMask<L>{};
+  const bool has_map = flight.scene.sun_map != nullptr && !lights.has_sky;
+  const LaneMask<L> mapped = has_map ? asked & lights.from_afar : LaneMask<L>{};
   const LaneMask<L> open = trace_shadow_rays(flight, geometry, lights, asked & ~mapped);
   for (int l = 0; l < L::count; l += L::width)
     store(visible + l, keep(open.at(l), broadcast<F>(1.0f)));

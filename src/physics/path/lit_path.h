@@ -87,7 +87,7 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
     store(state.scatterings + l, is ? scatterings + 1 : scatterings);
     store(state.density + l, is ? load<F>(sample.density + l) : load<F>(state.density + l));
     const I one = scatterings * 0 + 1, before = load<I>(state.sampled_all + l);
-    store(state.sampled_all + l, is ? keep(sample.by_all_lights.at(l), one) : before);
+    store(state.sampled_all + l, is ? keep(sample.samples_all.at(l), one) : before);
     store(packet.footprint_rad + l, is ? F{} : load<F>(packet.footprint_rad + l));
   }
   scattered.for_each([&](int l) {
@@ -199,9 +199,9 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Next-event estimation.
-  const LaneMask<L> by_all = scattering & points.by_all_lights;
-  add_light_samples(flight, *scene.light, geometry, points, scattering & ~by_all);
-  if (by_all.any()) add_light_samples(flight, *scene.all_lights, geometry, points, by_all);
+  const LaneMask<L> of_all = scattering & points.samples_all;
+  add_light_samples(flight, *scene.light, geometry, points, scattering & ~of_all);
+  if (of_all.any()) add_light_samples(flight, *scene.all_lights, geometry, points, of_all);
 
   // Light that was baked, in place of what diffuse lobes would find.
   if (reads.any()) add_baked(flight, points, reads);

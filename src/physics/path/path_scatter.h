@@ -128,7 +128,7 @@ struct ScatteringSample {
   alignas(n * 4) float roulette[n];  // a number in (0, 1)
   alignas(n * 4) std::int32_t lobe[n];
   Scattered<L> by;  // of the lobe that was chosen alone, over the density
-  LaneMask<L> by_all_lights;  // as ScatteringPacket's
+  LaneMask<L> samples_all;  // as ScatteringPacket's
 };
 
 // The surfaces that a packet met, as they scatter light.
@@ -138,7 +138,7 @@ struct ScatteringPacket {
   static constexpr int vectors = L::count / L::width;
   ScatterPoint<F> point[vectors];
   F weight[vectors][lobe_count];  // probability of each lobe for the way on
-  LaneMask<L> by_all_lights;      // that sample SceneView::all_lights
+  LaneMask<L> samples_all;        // whose light is sampled of SceneView::all_lights
 };
 
 template <typename L, typename Search>
@@ -147,7 +147,7 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   const PathMemory& memory = flight.memory;
-  scattering.by_all_lights = scene.all_lights != nullptr ? ~reads_baked : LaneMask<L>{};
+  scattering.samples_all = scene.all_lights != nullptr ? ~reads_baked : LaneMask<L>{};
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
     ScatterPoint<F>& point = scattering.point[v];
@@ -163,13 +163,11 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     colors.reflectance = colors.reflectance * each;
     colors.transmittance = colors.transmittance * each;
     colors.metal = colors.straight = colors.reflectance;
-    lobe_weights(point, colors, scattering.weight[v]);
+    // What diffuse lobes send is in the baked light where that is read.
     const auto reads = reads_baked.at(l);
-    if (!any_lane(reads)) continue;
-    F glossy[lobe_count];
-    glossy_lobe_weights(point, colors, glossy);
-    for (int j = 0; j < lobe_count; ++j)
-      scattering.weight[v][j] = reads ? glossy[j] : scattering.weight[v][j];
+    colors.reflectance = reads ? F{} : colors.reflectance;
+    colors.transmittance = reads ? F{} : colors.transmittance;
+    lobe_weights(point, colors, scattering.weight[v]);
   }
 }
 
@@ -221,7 +219,7 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
                                       const ScatteringPacket<L>& scattering, LaneMask<L> lanes,
                                       ScatteringSample<L>& sample) {
   using F = typename L::F;
-  sample.by_all_lights = scattering.by_all_lights;
+  sample.samples_all = scattering.samples_all;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
     const ScatterPoint<F>& point = scattering.point[v];

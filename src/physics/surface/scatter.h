@@ -312,33 +312,18 @@ OMMA_HD void scale_to_one(F (&weight)[lobe_count]) {
   for (F& x : weight) x = x * scale;
 }
 
-template <typename F>
-OMMA_HD void weigh_gloss(const ScatterPoint<F>& p, const LobeColors<F>& colors,
-                         F (&weight)[lobe_count]) {
-  weight[2] = p.dielectric_albedo;
-  weight[3] = p.metal * metal_color(colors.metal, schlick_weight(p.o.z), p.metal_gain);
-  weight[4] = p.straight * colors.straight;
-  weight[5] = p.coat_albedo;
-}
-
 // Probabilities of the lobes, about as much as each gives back of uniform light; they add up to 1,
 // or to 0 where nothing comes back.
 template <typename F>
 OMMA_HD void lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
                           F (&weight)[lobe_count]) {
   const F base = p.base * 3.14159265f;
-  weigh_gloss(p, colors, weight);
   weight[0] = base * colors.reflectance;
   weight[1] = base * colors.transmittance;
-  scale_to_one(weight);
-}
-
-// The same in baked light, which has what the diffuse lobes send.
-template <typename F>
-OMMA_HD void glossy_lobe_weights(const ScatterPoint<F>& p, const LobeColors<F>& colors,
-                                 F (&weight)[lobe_count]) {
-  weigh_gloss(p, colors, weight);
-  weight[0] = weight[1] = F{};
+  weight[2] = p.dielectric_albedo;
+  weight[3] = p.metal * metal_color(colors.metal, schlick_weight(p.o.z), p.metal_gain);
+  weight[4] = p.straight * colors.straight;
+  weight[5] = p.coat_albedo;
   scale_to_one(weight);
 }
 
