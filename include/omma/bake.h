@@ -18,7 +18,7 @@ class World;
 struct BakeSettings {
   double cell_m = 0;  // longest edge of cells on large triangles; 0: chosen by the scene
   // Of light for each side of a cell: a multiple of 16 up to 65536. 0: more where there is more
-  // noise, 16 in the mean of a large scene.
+  // noise, 12 in the mean of a large scene.
   int paths = 0;
   std::size_t most_bytes = std::size_t{1} << 30;  // what has no room is lit by probes
   std::uint32_t seed = 0;                         // of its random numbers

@@ -10,9 +10,10 @@ struct alignas(64) BakedLine {
   std::uint16_t values[32];
 };
 
-// How far the light on one side of a cell may be off, as a fraction of it: one standard deviation of
-// what it has by itself and of what it shares with its group, the cells around it that face alike.
-// Both in steps that are squares: (code / 128)^2.
+// How far the light at a point of one side of a cell may be off, as a fraction of the cell's: one
+// standard deviation of what it has by itself, noise and what light varies by within it, and of what
+// it shares with its group, the cells around it that face alike. In steps that are squares:
+// (code / 128)^2.
 struct CellError {
   std::uint8_t own = 0, shared = 0;
   std::uint16_t signs = 0;  // random bits, the same for a group

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "backend/bake_within.h"
 #include "physics/path/baked.h"
 #include "physics/sampling/hash.h"
 #include "threads/parallel.h"
@@ -298,6 +299,7 @@ void share_mean(const BakeGroups& groups, const std::vector<GroupNoise>& noise,
                 const BakedLine* const (&half)[2], BakedLight& baked) {
   const int bands = baked.bands;
   const double median = median_own(noise);
+  const std::vector<float> within = find_within(groups, bands, half);
   const std::vector<double> common = find_common(groups, noise);
   baked.errors.assign(2 * static_cast<std::size_t>(baked.cells), CellError{});
   std::fill(baked.lines.begin(), baked.lines.end(), BakedLine{});
@@ -310,7 +312,6 @@ void share_mean(const BakeGroups& groups, const std::vector<GroupNoise>& noise,
       const double own = (many * noise[g].own + cells_of_median * median) / (many + cells_of_median);
       CellError error;
       const LeftNoise left = left_of(noise[g], own, members);
-      error.own = encode_error(left.own);
       error.shared = encode_error(left.shared + common[static_cast<std::size_t>(groups.region[g])]);
       error.signs = groups.signs[g];
       const GroupPlanes planes(groups, g);
@@ -325,19 +326,21 @@ void share_mean(const BakeGroups& groups, const std::vector<GroupNoise>& noise,
           values[planes.side(static_cast<std::int64_t>(m)) * bands + b] = encode_baked(
               static_cast<float>(fitted[m] + kept * (light[m] - fitted[m])));
       }
-      for (std::int64_t m = groups.first[g]; m < groups.first[g + 1]; ++m)
-        baked.errors[static_cast<std::size_t>(groups.side[static_cast<std::size_t>(m)])] = error;
+      for (std::int64_t m = groups.first[g]; m < groups.first[g + 1]; ++m) {
+        const auto at = static_cast<std::size_t>(m);
+        error.own = encode_error(left.own + static_cast<double>(within[at]));
+        baked.errors[static_cast<std::size_t>(groups.side[at])] = error;
+      }
     }
   });
   // Of sides that are lit.
   std::vector<double> all;
   for (std::size_t g = 0; g < groups.count(); ++g)
-    if (noise[g].is_lit) {
+    for (std::int64_t m = groups.first[g]; noise[g].is_lit && m < groups.first[g + 1]; ++m) {
       const CellError& error =
-          baked.errors[static_cast<std::size_t>(groups.side[static_cast<std::size_t>(groups.first[g])])];
-      const double own = static_cast<double>(decode_error(error.own)),
-                   shared = static_cast<double>(decode_error(error.shared));
-      all.insert(all.end(), static_cast<std::size_t>(groups.members(g)), std::hypot(own, shared));
+          baked.errors[static_cast<std::size_t>(groups.side[static_cast<std::size_t>(m)])];
+      all.push_back(std::hypot(static_cast<double>(decode_error(error.own)),
+                               static_cast<double>(decode_error(error.shared))));
     }
   if (all.empty()) return;
   std::sort(all.begin(), all.end());

@@ -39,7 +39,7 @@ struct GroupNoise {
 std::vector<GroupNoise> find_noise(const BakeGroups& groups, int bands,
                                    const BakedLine* const (&half)[2]);
 
-// The mean of both halves, shared, and how far it may be off.
+// The mean of both halves, shared, and how far it may be off at a point of a cell.
 void share_mean(const BakeGroups& groups, const std::vector<GroupNoise>& noise,
                 const BakedLine* const (&half)[2], BakedLight& baked);
 

@@ -23,7 +23,7 @@ from omma.base.files import WholeFiles, make_directory
 from omma.base.warn import warn_caller
 
 # Of keys and files; raised where either changes.
-_FORMAT = 4
+_FORMAT = 5
 _MAGIC = b"omma baked light\n"
 _NUMBER = 8  # bytes of each of the two numbers behind that: check sum, length of the header
 _ENDING, _UNFINISHED = ".baked", ".unfinished"

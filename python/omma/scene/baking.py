@@ -41,7 +41,7 @@ class Bake:
             five times its triangles, and the larger the larger their triangles are.
         paths: of light for each side of a cell: a multiple of 16 up to 65,536. Noise of what is
             baked halves with four times as many, which take four times as long. None: more where
-            there is more noise, 16 in the mean of large scenes.
+            there is more noise, 12 in the mean of large scenes.
         most_bytes: that cells take, 4 for each band of a cell. Triangles without room are lit by a
             coarse grid of probes.
         seed: of its random numbers, 0 to 2^32 - 1.
@@ -75,6 +75,10 @@ class Bake:
             )
 
 
+def _percent(fraction: float) -> str:
+    return f"{float(f'{100 * fraction:.2g}'):g} %"
+
+
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class BakedInfo:
@@ -83,8 +87,9 @@ class BakedInfo:
     cells: that light is kept for, both sides of each.
     cell_m: the longest edge of a cell, m.
     paths: of light for each side of a cell, in the mean.
-    error_median, error_95: standard errors of the light on sides of cells, as fractions of it: half
-        of them have less, and 95 in 100. Noise alone; that cells are even is not in them.
+    error_median, error_95: standard errors of the light at points of cells, as fractions of it:
+        half of them have less, and 95 in 100. Of noise, and of what light varies by within a cell,
+        which is kept as one value.
     bytes: of memory.
     triangles_by_probes: that have no room for cells; things that have moved are not counted.
     seconds: that the bake took, also where it was read from the cache.
@@ -110,8 +115,8 @@ class BakedInfo:
         )
         return (
             f"{self.cells:,} cells of at most {self.cell_m:.3g} m, {self.paths:.3g} paths a side, "
-            f"errors of cells {100 * self.error_median:.2g} % (95 % below "
-            f"{100 * self.error_95:.2g} %), {self.bytes / 1e6:,.1f} MB, "
+            f"errors of cells {_percent(self.error_median)} (95 % below "
+            f"{_percent(self.error_95)}), {self.bytes / 1e6:,.1f} MB, "
             f"{source} in {self.seconds:.1f} s{probes}"
         )
 
