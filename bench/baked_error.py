@@ -8,8 +8,9 @@ square, the median and the 95th percentile of |response - truth| / truth, and th
 of the third of ommatidia that are darkest; in per cent. All are of the bake alone: the truth is by
 paths, both are rendered with seeds of their own, and their spread tells the noise of rays, which
 is taken off the squares; the median and the percentile have what is left of it. `rms_z` is that of
-(baked - truth) / error, with the standard errors of frames of the baked world, which have that of
-the bake in them. Seconds are the processor's, of all cores.
+z = (baked - truth) / error, with the standard errors of frames of the baked world, which have that
+of the bake in them, and `z_below_2_percent` says of how many it is less than 2. Seconds are the
+processor's, of all cores.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from make_baked_light_figures import Setup, corridor, pixels, room
 
 COLUMNS = (
     "scene,band_nm,ommatidia,rays,bias_percent,rms_percent,median_percent,percentile_95_percent,"
-    "darkest_third_rms_percent,rms_z,cells,paths,bake_cpu_s,baked_mb"
+    "darkest_third_rms_percent,rms_z,z_below_2_percent,cells,paths,bake_cpu_s,baked_mb"
 )
 # 21 June, 48 N 15 E.
 TIMES = {"dusk": (21, 15), "noon": (13, 0)}
@@ -126,7 +127,8 @@ def print_rows(name: str, case: Case, quick: bool) -> None:
         print(
             f"{name},{edges_nm[b]:.0f}-{edges_nm[b + 1]:.0f},{len(mean)},{SEEDS * rays},"
             + ",".join(f"{100 * x:.2f}" for x in numbers)
-            + f",{np.sqrt(np.mean(z[:, b] ** 2)):.2f},{info.cells},{info.paths:.1f},"
+            + f",{np.sqrt(np.mean(z[:, b] ** 2)):.2f},{100 * np.mean(np.abs(z[:, b]) < 2):.1f}"
+            f",{info.cells},{info.paths:.1f},"
             f"{bake_s:.0f},{info.bytes / 1e6:.0f}",
             flush=True,
         )
