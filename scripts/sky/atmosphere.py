@@ -45,10 +45,11 @@ class Scatterer:
 class Atmosphere:
     """An atmosphere over a black ground, on a grid of altitudes and wavelengths."""
 
-    altitude_m: np.ndarray  # [altitude]
+    altitude_m: np.ndarray  # [altitude], above the ground
     wavelength_nm: np.ndarray  # [wavelength]
     absorption: np.ndarray  # [altitude, wavelength], per m: ozone
     scatterers: tuple[Scatterer, ...]  # air, and haze where there is some
+    ground_m: float = 0.0  # above the sea
 
 
 def standard_altitudes_m() -> np.ndarray:
@@ -67,15 +68,21 @@ def standard_altitudes_m() -> np.ndarray:
 
 
 def clear_atmosphere(
-    wavelength_nm: np.ndarray, ozone_du: float = 300.0, haze: float = 0.0
+    wavelength_nm: np.ndarray,
+    ozone_du: float = 300.0,
+    haze: float = 0.0,
+    ground_m: float = 0.0,
+    haze_kind: str = "rural",
 ) -> Atmosphere:
-    """The atmosphere with that column of ozone and that optical depth of haze at 550 nm."""
+    """The atmosphere with that column of ozone and that optical depth of haze at 550 nm, both above
+    the ground. Haze of other kinds is for Monte Carlo, and has no moments."""
     altitude = standard_altitudes_m()
-    absorption = ozone_profile(altitude)[:, None] * ozone_du * ozone_per_du(wavelength_nm)
-    scatterers = (air(altitude, wavelength_nm),)
+    ozone = ozone_profile(altitude + ground_m)
+    absorption = ozone[:, None] * ozone_du * ozone_per_du(wavelength_nm)
+    scatterers = (air(altitude + ground_m, wavelength_nm),)
     if haze > 0:
-        scatterers += (rural_haze(altitude, wavelength_nm, haze),)
-    return Atmosphere(altitude, wavelength_nm, absorption, scatterers)
+        scatterers += (haze_layer(altitude, wavelength_nm, haze, haze_kind),)
+    return Atmosphere(altitude, wavelength_nm, absorption, scatterers, ground_m)
 
 
 def air_density(altitude_m: np.ndarray) -> np.ndarray:
@@ -149,11 +156,19 @@ def air(altitude_m: np.ndarray, wavelength_nm: np.ndarray) -> Scatterer:
     return Scatterer(extinction, np.ones(len(wavelength_nm)), phase, moments)
 
 
-def rural_haze(altitude_m: np.ndarray, wavelength_nm: np.ndarray, depth: float) -> Scatterer:
+def haze_layer(
+    altitude_m: np.ndarray, wavelength_nm: np.ndarray, depth: float, kind: str
+) -> Scatterer:
     """Haze of that optical depth at 550 nm, from Mie's theory by sasktran2."""
     profile = np.exp(-altitude_m / HAZE_SCALE_HEIGHT_M)
     profile /= np.trapezoid(profile, altitude_m)
-    total, scattered, phase, moments = haze_optics(tuple(wavelength_nm))
+    if kind == "rural":
+        total, scattered, phase, moments = haze_optics(tuple(wavelength_nm))
+    else:
+        from haze_kinds import optics
+
+        total, scattered, phase = optics(kind, wavelength_nm)
+        moments = np.zeros((0, 4, len(wavelength_nm)))
     return Scatterer(profile[:, None] * depth * total, scattered, phase, moments)
 
 

@@ -14,11 +14,17 @@ OTHERS = (  # haze, ozone
     *((haze, 300.0) for haze in (0.025, 0.075, 0.15, 0.25)),
     *((0.0, ozone) for ozone in (250.0, 400.0)),
 )
-AIRS = (  # sun, haze, ozone
-    *((sun, 0.0, 300.0) for sun in HIGH_SUN_DEG),
-    *((45.0, *air) for air in OTHERS),
-    *((sun, 0.0, 300.0) for sun in LOW_SUN_DEG),
-    *((6.0, *air) for air in OTHERS),
+KINDS = ("urban", "maritime", "smoke")
+AIRS = (  # sun, haze, ozone, height of the ground, m, and another kind of haze
+    *((sun, 0.0, 300.0, 0.0) for sun in HIGH_SUN_DEG),
+    *((45.0, *air, 0.0) for air in OTHERS),
+    *((sun, 0.0, 300.0, 0.0) for sun in LOW_SUN_DEG),
+    *((6.0, *air, 0.0) for air in OTHERS),
+    *((sun, 0.0, 300.0, 2000.0) for sun in (45.0, 20.0, 6.0, 2.0, -2.5, -4.5)),
+    *((sun, 0.0, 300.0, 5000.0) for sun in (45.0, 20.0, 6.0, 2.0, -2.5)),
+    *((sun, 0.1, 300.0, 2000.0) for sun in (45.0, 20.0, 6.0)),
+    (45.0, 0.15, 300.0, 5000.0),
+    *((sun, 0.2, 300.0, 0.0, kind) for kind in KINDS for sun in (45.0, 20.0)),
 )
 
 
@@ -26,16 +32,19 @@ def check_tables(suns: list[float]) -> None:
     """Prints, for each sun and for other air, how far the tables are from direct computation: of
     all suns, or of those given.
     """
-    print("sun, haze, ozone: radiance rms % (worst), polarisation rms (worst)", flush=True)
+    print(
+        "sun, haze, ozone, height, kind: radiance rms % (worst), polarisation rms (worst)",
+        flush=True,
+    )
     for sun, *air in AIRS:
         if not suns or sun in suns:
             _compare(sun, *air)
 
 
-def _compare(sun: float, haze: float, ozone: float) -> None:
-    direct, error = _monte_carlo(sun, haze, ozone)
+def _compare(sun: float, haze: float, ozone: float, ground_m: float, kind: str = "rural") -> None:
+    direct, error = _monte_carlo(sun, haze, ozone, ground_m, kind)
     parts = 100 * error[:, :, 0] / direct[:, :, 0], error[:, :, 1:] / direct[:, :, :1]
-    stored = stored_stokes(sun, haze, ozone, ELEVATION_DEG, AZIMUTH_DEG, NM)
+    stored = stored_stokes(sun, haze, ozone, ground_m, kind)
     off = 100 * (stored[:, :, 0] / direct[:, :, 0] - 1)
     polarised = np.hypot(
         *np.moveaxis(
@@ -45,21 +54,24 @@ def _compare(sun: float, haze: float, ozone: float) -> None:
     up, round_, k = np.unravel_index(np.abs(off).argmax(), off.shape)
     worst = f"{ELEVATION_DEG[up]:g}° up, {AZIMUTH_DEG[round_]:g}° round, {NM[k]:g} nm"
     print(
-        f"{sun:5.1f} {haze:5.3f} {ozone:4.0f}: {_rms(off):5.2f} ({np.abs(off).max():5.2f})  "
+        f"{sun:5.1f} {haze:5.3f} {ozone:4.0f} {ground_m:4.0f} {kind}: "
+        f"{_rms(off):5.2f} ({np.abs(off).max():5.2f})  "
         f"{_rms(polarised):.4f} ({polarised.max():.4f})  Monte Carlo's own {_rms(parts[0]):.2f} % "
         f"and {_rms(parts[1]) * 2**0.5:.4f}; worst {worst}",
         flush=True,
     )
 
 
-def _monte_carlo(sun: float, haze: float, ozone: float) -> tuple[np.ndarray, np.ndarray]:
+def _monte_carlo(
+    sun: float, haze: float, ozone: float, ground_m: float, kind: str
+) -> tuple[np.ndarray, np.ndarray]:
     """Stokes [elevation, azimuth, 3, wavelength] and standard errors; half the wavelengths a time,
     as those that share paths must be near each other.
     """
     paths = PATHS if -2 < sun < 14 else 4 * PATHS
     halves = []
     for nm in (NM[:4], NM[4:]):
-        air = clear_atmosphere(nm, ozone, haze)
+        air = clear_atmosphere(nm, ozone, haze, ground_m, kind)
         each = [
             monte_carlo.sky_stokes(air, np.array([sun]), e, AZIMUTH_DEG, paths, BATCHES, 77)
             for e in ELEVATION_DEG
@@ -69,18 +81,11 @@ def _monte_carlo(sun: float, haze: float, ozone: float) -> tuple[np.ndarray, np.
     return both[:, 0], both[:, 1]
 
 
-def stored_stokes(
-    sun: float,
-    haze: float,
-    ozone: float,
-    elevation_deg: np.ndarray,
-    azimuth_deg: np.ndarray,
-    nm: np.ndarray,
-) -> np.ndarray:
+def stored_stokes(sun: float, haze: float, ozone: float, ground_m: float, kind: str) -> np.ndarray:
     """The tables over black ground and irradiance 1: [elevation, azimuth, 3, wavelength]."""
     from omma.light.sky_tables import TableSky
 
-    log_i, q, u = TableSky(sun, haze, ozone).stokes(elevation_deg, azimuth_deg, nm)
+    log_i, q, u = TableSky(sun, haze, ozone, ground_m, kind).stokes(ELEVATION_DEG, AZIMUTH_DEG, NM)
     i = np.exp(log_i)
     return np.stack([i, i * q, i * u], axis=2)
 

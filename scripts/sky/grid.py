@@ -32,4 +32,11 @@ OZONE_ELEVATION_DEG = np.array([1.8, 10.5, 32.5, 89.5])
 OZONE_AZIMUTH_DEG = np.array([0.0, 90.0, 180.0])
 OZONE_PATHS = 2_000
 
+# Of the ground above the sea, and where skies over it are computed by Monte Carlo.
+HEIGHT_M = np.array([0.0, 2500.0, 5000.0])
+HEIGHT_SUN_DEG = np.concatenate([LOW_SUN_DEG, TWILIGHT_SUN_DEG])
+HEIGHT_ELEVATION_DEG = np.array([0, 2, 5, 10.5, 19.5, 32.5, 55, 89.5])
+HEIGHT_AZIMUTH_DEG = np.linspace(0, 180, 5)
+HEIGHT_PATHS = 6_000
+
 GROUND_SUN_DEG = 50.0  # under which the ground's share is taken; it is the same for every sun

@@ -40,7 +40,7 @@ def sky_stokes(
     )
     elevation = np.radians(np.clip(elevation_deg, 0.05, 89.95))
     way = np.array([0.0, np.sin(elevation), -np.cos(elevation)])
-    radius, density = _shells(len(atmosphere.scatterers) > 1)
+    radius, density = _shells(len(atmosphere.scatterers) > 1, atmosphere.ground_m)
     count = len(atmosphere.wavelength_nm)
     means = np.zeros((directions.shape[0], directions.shape[1], 3, count))
     errors = np.zeros_like(means)
@@ -84,15 +84,15 @@ def _pointer(array: np.ndarray) -> ctypes.c_void_p:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
-def _shells(haze: bool) -> tuple[np.ndarray, np.ndarray]:
+def _shells(haze: bool, ground_m: float) -> tuple[np.ndarray, np.ndarray]:
     """Borders' distances from the earth's centre, m, and share of each column per m in a shell."""
     border = 1000.0 * np.concatenate(
         [np.arange(0, 15, 0.25), np.arange(15, 50, 0.5), np.arange(50, 101, 2.0)]
     )
     shares = []
     for profile in (
-        air_density,
-        ozone_profile,
+        lambda altitude: air_density(altitude + ground_m),
+        lambda altitude: ozone_profile(altitude + ground_m),
         lambda altitude: np.exp(-altitude / HAZE_SCALE_HEIGHT_M),
     ):
         fine = np.linspace(0, border[-1], 50_001)

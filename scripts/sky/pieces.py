@@ -76,6 +76,25 @@ def compute_ozone(folder: Path) -> None:
             )
 
 
+def compute_heights(folder: Path) -> None:
+    """Skies over high ground under low suns, on few directions; the paths are the same for all
+    heights."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for elevation in grid.HEIGHT_ELEVATION_DEG:
+        for height in grid.HEIGHT_M:
+            atmosphere = clear_atmosphere(grid.WAVELENGTH_NM, ground_m=height)
+            _piece(
+                folder / f"height_{height:g}_{elevation:g}.npz",
+                lambda elevation=elevation, atmosphere=atmosphere: _means_and_errors(
+                    atmosphere,
+                    grid.HEIGHT_SUN_DEG,
+                    elevation,
+                    grid.HEIGHT_AZIMUTH_DEG,
+                    grid.HEIGHT_PATHS,
+                ),
+            )
+
+
 def _means_and_errors(*arguments: object) -> dict[str, np.ndarray]:
     stokes, error = monte_carlo.sky_stokes(*arguments)
     return {"stokes": stokes, "error": error}

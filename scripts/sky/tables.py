@@ -1,9 +1,10 @@
-"""Puts the pieces together: the tables as python/omma/light/sky_tables.py reads them."""
+"""Puts the pieces together: the tables as python/omma/light/sky_stored.py reads them."""
 
 import functools
 from pathlib import Path
 
 import grid
+import haze_kinds
 import numpy as np
 from atmosphere import (
     ANGLE_DEG,
@@ -80,6 +81,54 @@ def sun_parts() -> dict[str, np.ndarray]:
     edges = np.linspace(FINE_NM[0] - 0.5, FINE_NM[-1] + 0.5, 4011)
     means = np.diff(np.interp(edges, nm, up_to)) / np.diff(edges)
     return {"edges_nm": edges, "watts": means.astype(np.float32)}
+
+
+def haze_parts() -> dict[str, np.ndarray]:
+    """Extinction over that at 550 nm, share scattered, P11 and P12 of every kind of haze, the
+    tables' own among them."""
+    total, scattered, phase, _ = haze_optics(tuple(grid.WAVELENGTH_NM))
+    parts = {}
+    kinds = {"rural": (total, scattered, phase)}
+    kinds |= {kind: haze_kinds.optics(kind, grid.WAVELENGTH_NM) for kind in haze_kinds.STORED}
+    for kind, (depth, share, matrix) in kinds.items():
+        parts |= {f"{kind}_depth": depth, f"{kind}_scattered": share}
+        for k, name in enumerate(("phase", "linear")):
+            parts[f"{kind}_{name}"] = matrix[:, ::2, k].astype(np.float32)
+    return parts
+
+
+def height_parts(folder: Path) -> dict[str, np.ndarray]:
+    """What high ground changes of clean skies under low suns: log I, Q/I and U/I are those at sea
+    level + a x + b x^2, x the height over the highest one.
+
+    "change" has [a or b, sun, (log I, Q/I, U/I), wavelength, few elevations, few azimuths], the
+    others what takes these to all: a cubic spline in a measure of the air's mass, cosines in
+    azimuth, and for U sines of it.
+    """
+    fields = []
+    for height in grid.HEIGHT_M:
+        every = [
+            np.load(folder / f"height_{height:g}_{e:g}.npz")["stokes"]
+            for e in grid.HEIGHT_ELEVATION_DEG
+        ]
+        i, q, u = np.moveaxis(np.array(every), (3, 4), (0, 1))  # each [wavelength, e, sun, azimuth]
+        fields.append(np.moveaxis([np.log(i), q / i, u / i], 3, 0))
+    x = grid.HEIGHT_M[1:] / grid.HEIGHT_M[-1]
+    change = np.array(fields[1:]) - fields[0]
+    solved = np.tensordot(np.linalg.inv(np.stack([x, x**2], axis=1)), change, axes=1)
+    measure, nodes = (np.arcsinh(e / 4) for e in (grid.ELEVATION_DEG, grid.HEIGHT_ELEVATION_DEG))
+    from scipy.interpolate import CubicSpline
+
+    few, every = (np.radians(a)[:, None] for a in (grid.HEIGHT_AZIMUTH_DEG, grid.AZIMUTH_DEG))
+    order = np.arange(len(few))
+    even = np.cos(every * order) @ np.linalg.inv(np.cos(few * order))
+    odd = np.sin(every * order[1:-1]) @ np.linalg.pinv(np.sin(few * order[1:-1]))
+    return {
+        "sun_deg": grid.HEIGHT_SUN_DEG,
+        "change": solved.astype(np.float32),
+        "elevation": CubicSpline(nodes, np.eye(len(nodes)))(measure),
+        "azimuth": np.stack([even, even, odd]),
+    }
 
 
 def _air_masses() -> np.ndarray:
@@ -159,7 +208,7 @@ def _relative(
     azimuth_deg: np.ndarray,
 ) -> np.ndarray:
     """Stokes [elevation, azimuth, 3, wavelength] as fields [3, wavelength, elevation, azimuth]."""
-    from omma.light.sky_tables import first_guess
+    from omma.light.sky_stored import first_guess
 
     guess = first_guess(parts, haze, sun_deg, grid.ELEVATION_DEG, azimuth_deg)
     i, q, u = np.moveaxis(stokes, (2, 3), (0, 1))

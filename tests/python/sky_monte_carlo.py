@@ -41,14 +41,16 @@ def ozone_share(altitude_m):
 
 
 class RoundSky:
-    """An atmosphere of these vertical optical depths."""
+    """An atmosphere of these vertical optical depths, of air above the sea and of ozone above the
+    ground, which lies so high."""
 
-    def __init__(self, rayleigh_depth, ozone_depth, anisotropy):
+    def __init__(self, rayleigh_depth, ozone_depth, anisotropy, ground_m=0.0):
         height = np.linspace(0, TOP_M, 20_001)
         self.height = height[::20]  # looked up linearly between
         self.delta = anisotropy
-        air, ozone = air_share(height), ozone_share(height)
-        self.scattering = (air * rayleigh_depth / np.trapezoid(air, height))[::20]
+        air, ozone = air_share(height + ground_m), ozone_share(height + ground_m)
+        above_sea = np.trapezoid(air_share(height), height)
+        self.scattering = (air * rayleigh_depth / above_sea)[::20]
         self.absorption = (ozone * ozone_depth / np.trapezoid(ozone, height))[::20]
 
     def radiance(self, sun_deg, elevation_deg, azimuth_deg, paths, rng):

@@ -10,7 +10,8 @@ import pytest
 from sky_monte_carlo import RoundSky
 
 import omma
-from omma.light.sky_tables import TableSky, clear_sky_map, sun_limb_darkening, sun_spectrum
+from omma.light.sky_stored import sun_limb_darkening, sun_spectrum
+from omma.light.sky_tables import TableSky, clear_sky_map
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts" / "sky"
 NM = np.array([350.0, 440.0, 540.0])

@@ -87,6 +87,10 @@ def show(
     albedo: Annotated[
         float, typer.Option(help="What land gives back, 0 to 1.", metavar="ALBEDO")
     ] = 0.1,
+    height: Annotated[float, typer.Option(help="Of the land above the sea, m.", metavar="M")] = 0.0,
+    haze_kind: Annotated[
+        Literal["rural", "urban", "maritime", "smoke"], typer.Option(help="Kind of haze.")
+    ] = "rural",
     wavelength: Annotated[
         list[float] | None,
         typer.Option(help="To draw, nm; may be repeated. Default: 350, 440, 550.", metavar="NM"),
@@ -101,10 +105,12 @@ def show(
             sun_elevation_deg="sun",
             sun_azimuth_deg="azimuth",
             ozone_du="ozone",
+            height_m="height",
             latitude_deg="place",
             longitude_deg="place",
         ):
             air: dict[str, Any] = {"aerosol": aerosol, "ozone_du": ozone, "albedo": albedo}
+            air |= {"height_m": height, "haze_kind": haze_kind}
             air |= {"bands": Bands.equal(_BANDS), "unit": unit}
             light = _sky(kind, sun, azimuth, time, place, air)
         plot_sky(names, light, wavelength or (350.0, 440.0, 550.0))

@@ -12,7 +12,8 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, within
 from omma.light.lights import Light, makes_light
 from omma.light.skies import CLEAR_SKY_AEROSOL
-from omma.light.sky_tables import depths_of_air_and_haze
+from omma.light.sky_height import AIR_HEIGHT_M, air_above
+from omma.light.sky_stored import depths_of_air_and_haze
 
 Floats = NDArray[np.float64]
 
@@ -23,10 +24,8 @@ _LEAST_CONTRAST = 0.05
 _VISIBILITY_NM = 550.0
 _VISIBILITIES_M = (1.0, 250e3)
 _MOST_ANGSTROM = 4.1
-# Heights in which air and haze would be, were they as thick all the way up as at sea level. Of
-# air: R T / (g M) of the standard atmosphere, at 288.15 K. Of haze: that of the tables of
+# In which haze would be, were it as thick all the way up as at the ground: that of the tables of
 # `clear_sky`, which thins out exponentially (bench/notes/clear-sky.md).
-_AIR_HEIGHT_M = 8.314462618 * 288.15 / (9.80665 * 0.0289644)
 _HAZE_HEIGHT_M = 2000.0
 
 
@@ -82,7 +81,7 @@ def with_air(
     elif angstrom is not None:
         raise Error("angstrom: goes with visibility_m, found none")
     else:
-        extinction = light.bands.mean(_of_clear_sky(_aerosol_of(light)))
+        extinction = light.bands.mean(_of_clear_sky(*_air_of(light)))
     return replace(light, extinction_per_m=extinction)
 
 
@@ -96,23 +95,27 @@ def _kim_exponent(visibility_km: float) -> float:
     return max(0.0, visibility_km - 0.5)
 
 
-def _of_clear_sky(aerosol: float) -> Callable[[Floats], Floats]:
+def _of_clear_sky(aerosol: float, height_m: float, haze_kind: str) -> Callable[[Floats], Floats]:
     """Extinction, m⁻¹, by wavelength of the air at the ground under a clear sky."""
+    pressure, warmth = air_above(height_m)
+    dense = pressure / warmth
 
     def extinction_per_m(nm: Floats) -> Floats:
-        air, haze = depths_of_air_and_haze(nm)
-        return air / _AIR_HEIGHT_M + aerosol * haze / _HAZE_HEIGHT_M
+        air, haze = depths_of_air_and_haze(nm, haze_kind)
+        return dense * air / AIR_HEIGHT_M + aerosol * haze / _HAZE_HEIGHT_M
 
     return extinction_per_m
 
 
-def _aerosol_of(light: Light) -> float:
-    """Haze that a light's sky was computed with."""
+def _air_of(light: Light) -> tuple[float, float, str]:
+    """Haze that a light's sky was computed with, height of the ground, m, and the kind of haze."""
     recipe = light.recipe
     while recipe is not None:
         name, arguments = recipe
         if name == "clear_sky":
-            return float(arguments.get("aerosol", CLEAR_SKY_AEROSOL))
+            aerosol = arguments.get("aerosol", CLEAR_SKY_AEROSOL)
+            height_m = float(arguments.get("height_m", 0.0))
+            return float(aerosol), height_m, arguments.get("haze_kind", "rural")
         recipe = arguments["light"].recipe if name in _SAME_AIR else None
     raise Error(
         "visibility_m: expected a number, as this light is not a clear sky's, which says how much "

@@ -14,7 +14,8 @@ from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.lights import Light, makes_light
 from omma.light.sky_map import level_weights, sky_nodes
-from omma.light.sky_tables import TableSky, check_range, sun_spectrum
+from omma.light.sky_stored import sun_spectrum
+from omma.light.sky_tables import TableSky, check_range
 from omma.light.star_light import air_depth, air_mass
 from omma.light.star_maps import (
     ECLIPTIC_FROM_EQUATORIAL,

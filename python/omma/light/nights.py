@@ -10,6 +10,7 @@ from omma.base.arguments import checked, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.dark_skies import night_sky, night_sky_at
+from omma.light.haze_kinds import HazeKind
 from omma.light.lights import Light, makes_light
 from omma.light.moon_discs import bright_limb_deg
 from omma.light.skies import clear_sky, moonlit_sky
@@ -33,6 +34,8 @@ def natural_sky(
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
+    height_m: float = 0.0,
+    haze_kind: HazeKind = "rural",
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -44,7 +47,8 @@ def natural_sky(
 
     Args:
         sun_elevation_deg: of the sun's centre, without refraction, -90 to 90.
-        sun_azimuth_deg, aerosol, ozone_du, albedo, bands, unit: as of `clear_sky`.
+        sun_azimuth_deg, aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit:
+            as of `clear_sky`.
 
     Raises:
         omma.Error: a number out of range.
@@ -56,6 +60,8 @@ def natural_sky(
         aerosol=aerosol,
         ozone_du=ozone_du,
         albedo=albedo,
+        height_m=height_m,
+        haze_kind=haze_kind,
         bands=bands,
         unit=unit,
     )
@@ -71,6 +77,7 @@ def natural_sky_at(
     longitude_deg: float,
     *,
     albedo: float = 0.1,
+    height_m: float = 0.0,
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -83,7 +90,7 @@ def natural_sky_at(
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
-        albedo, bands, unit: as of `clear_sky`.
+        albedo, height_m, bands, unit: as of `clear_sky`.
 
     Example:
         >>> from datetime import date, timedelta
@@ -109,6 +116,7 @@ def natural_sky_at(
             max(sun.elevation_deg, LOWEST_SUN_DEG),
             sun_azimuth_deg=sun.azimuth_deg,
             albedo=albedo,
+            height_m=height_m,
             bands=bands,
             unit=unit,
         )
@@ -123,6 +131,7 @@ def natural_sky_at(
             direction(sun.azimuth_deg, sun.elevation_deg),
         ),
         albedo=albedo,
+        height_m=height_m,
         bands=bands,
         unit=unit,
     )

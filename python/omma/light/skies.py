@@ -15,15 +15,16 @@ from omma.base.arguments import array_of, checked, positive, within
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.discs import Disc
+from omma.light.haze_kinds import HazeKind
 from omma.light.lights import MOST_AZIMUTH_DEG, Light, check_not_lost, makes_light
 from omma.light.moon_discs import moon_discs
 from omma.light.sky_map import sky_nodes
+from omma.light.sky_stored import sun_limb_darkening
 from omma.light.sky_tables import (
     LOWEST_SUN_DEG,
     SUN_DIAMETER_DEG,
     check_range,
     clear_sky_map,
-    sun_limb_darkening,
 )
 from omma.light.sun_position import sun_position
 from omma.light.units import Unit, check_unit
@@ -100,6 +101,8 @@ def clear_sky(
     aerosol: float = CLEAR_SKY_AEROSOL,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
+    height_m: float = 0.0,
+    haze_kind: HazeKind = "rural",
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -112,9 +115,14 @@ def clear_sky(
     Args:
         sun_elevation_deg: of the sun's centre, without refraction, -8 to 90.
         sun_azimuth_deg: from -Z to the right (from north to the east, where -Z is north).
-        aerosol: optical depth of haze at 550 nm, 0 to 0.3.
+        aerosol: optical depth of haze at 550 nm above the land, 0 to 0.3; at a height less, as
+            there is less air.
         ozone_du: in a column of air, 200 to 450 Dobson units.
         albedo: share of light that the land around gives back, 0 to 1.
+        height_m: of the land around above the sea, 0 to 5000. Air is that of the US Standard
+            Atmosphere 1976: 0.785 of the sea's at 2000 m.
+        haze_kind: "rural"; "urban", with soot; "maritime", of sea salt; or "smoke" of forests.
+            docs/light.md says what is theirs.
         bands: by default 16 of 25 nm from 300 to 700 nm.
         unit: "photons" m⁻² s⁻¹ sr⁻¹ nm⁻¹ or "watts" m⁻² sr⁻¹ nm⁻¹.
 
@@ -132,6 +140,8 @@ def clear_sky(
         aerosol=aerosol,
         ozone_du=ozone_du,
         albedo=albedo,
+        height_m=height_m,
+        haze_kind=haze_kind,
         unit=unit,
         width_nm=1.0 if bands.cell_nm is None else bands.cell_nm,
     )
@@ -150,6 +160,8 @@ def clear_sky_at(
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
+    height_m: float = 0.0,
+    haze_kind: HazeKind = "rural",
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -159,7 +171,8 @@ def clear_sky_at(
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
-        aerosol, ozone_du, albedo, bands, unit: as of `clear_sky`.
+        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
+            `clear_sky`.
 
     Raises:
         omma.Error: a time without a time zone or out of range, a latitude or longitude out of
@@ -172,6 +185,8 @@ def clear_sky_at(
         aerosol=aerosol,
         ozone_du=ozone_du,
         albedo=albedo,
+        height_m=height_m,
+        haze_kind=haze_kind,
         bands=bands,
         unit=unit,
     )
@@ -188,6 +203,8 @@ def moonlit_sky(
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
+    height_m: float = 0.0,
+    haze_kind: HazeKind = "rural",
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -207,7 +224,8 @@ def moonlit_sky(
         bright_limb_deg: where its limb is brightest, towards the sun: from up, turning to the right
             as one looks at it. None: the disc is whole, as bright in the mean as its lit part makes
             it.
-        aerosol, ozone_du, albedo, bands, unit: as of `clear_sky`.
+        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
+            `clear_sky`.
 
     Raises:
         omma.Error: a number out of range.
@@ -223,6 +241,8 @@ def moonlit_sky(
         aerosol=aerosol,
         ozone_du=ozone_du,
         albedo=albedo,
+        height_m=height_m,
+        haze_kind=haze_kind,
         bands=bands,
         unit=unit,
     )
@@ -248,6 +268,8 @@ def overcast_sky(
     aerosol: float = 0.1,
     ozone_du: float = 300.0,
     albedo: float = 0.1,
+    height_m: float = 0.0,
+    haze_kind: HazeKind = "rural",
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -262,7 +284,8 @@ def overcast_sky(
     Args:
         sun_elevation_deg: of the sun behind the cloud.
         cloud_transmittance: above 0, at most 1.
-        aerosol, ozone_du, albedo, bands, unit: as of `clear_sky`.
+        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
+            `clear_sky`.
 
     Raises:
         omma.Error: a number out of range.
@@ -270,7 +293,14 @@ def overcast_sky(
     if positive(cloud_transmittance, "cloud_transmittance") > 1:
         raise Error(f"cloud_transmittance: expected at most 1, found {cloud_transmittance}")
     clear = clear_sky(
-        sun_elevation_deg, aerosol=aerosol, ozone_du=ozone_du, albedo=albedo, bands=bands, unit=unit
+        sun_elevation_deg,
+        aerosol=aerosol,
+        ozone_du=ozone_du,
+        albedo=albedo,
+        height_m=height_m,
+        haze_kind=haze_kind,
+        bands=bands,
+        unit=unit,
     )
     level = cloud_transmittance * sum(clear.irradiance())
     rows = 91
