@@ -45,10 +45,23 @@ def test_the_command(tmp_path, run_omma, kind):
     assert out == f"wrote {name}\n"
 
 
-def test_a_time_and_place(tmp_path, run_omma):
+def test_below_the_horizon(tmp_path, run_omma):
+    """Where a clear sky ends it says which one goes on."""
+    name = str(tmp_path / "sky.png")
+    given = ("light", "show", "--sun", "-12", "--wavelength", "440", "-o", name)
+    code, _, err = run_omma(*given)
+    assert code == 1
+    assert "--sun: expected -8 to 90, found -12.0; omma.light.natural_sky goes on" in err
+    code, out, err = run_omma(*given, "--kind", "natural")
+    assert (code, out, err) == (0, f"wrote {name}\n", "")
+
+
+@pytest.mark.parametrize("moment", ["2026-06-21T12:00:00+02:00", "2026-06-21T23:59:00+02:00"])
+def test_a_time_and_place(tmp_path, run_omma, moment):
     pytest.importorskip("ephem")
     name = str(tmp_path / "sky.png")
-    given = ("--time", "2026-06-21T12:00:00+02:00", "--place", "52.5,13.4", "--wavelength", "440")
+    kind = "natural" if "T23" in moment else "clear"  # a sun 14 degrees below the horizon
+    given = ("--time", moment, "--place", "52.5,13.4", "--wavelength", "440", "--kind", kind)
     code, _, err = run_omma("light", "show", *given, "-o", name)
     assert (code, err) == (0, "")
 
