@@ -65,6 +65,7 @@ def natural_sky(
 
 
 @checked
+@makes_light
 def natural_sky_at(
     date_time: datetime,
     latitude_deg: float,
