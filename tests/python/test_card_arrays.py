@@ -32,6 +32,11 @@ def test_without_a_card_there_is_no_array_on_it():
     assert "omma.Error: cuda: expected NVIDIA's driver, found none" in done.stderr
 
 
+def test_a_length_is_no_shape():
+    with pytest.raises(TypeError, match=r"shape: expected lengths of axes, .* found int 5"):
+        omma.rendering.CardArray(5)
+
+
 def test_what_has_no_such_interface_is_no_array_on_a_card(renderer):
     class Odd:
         __cuda_array_interface__ = None

@@ -137,6 +137,7 @@ def test_what_is_not_linear_is_refused(scene):
     weights = np.ones((1, 60, 3))
     for call, message in (
         (lambda: renderer.color_jacobian(POSES[:1], "nobody"), "by: expected one called 'nobody'"),
+        (lambda: renderer.color_jacobian(POSES[:1], ["nobody"]), "; or 'background'$"),
         (lambda: renderer.color_jacobian(POSES[:1], 99), "by: expected 0 to"),
         (
             lambda: omma.Renderer(lit, EYE, omma.Fixed(4)).color_jacobian(np.eye(4), 0),

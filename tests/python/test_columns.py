@@ -52,6 +52,8 @@ def test_conventions_lead_back():
 def test_a_regular_lattice_looks_where_its_names_say(side, front):
     towards = omma.eye.direction(60.0 * side, 0.0)
     columns = omma.columns.hexal_columns(3, SPACING, towards, side=side, front=front)
+    named = {-1: "left", 1: "right"}[side]
+    assert columns == omma.columns.hexal_columns(3, SPACING, towards, side=named, front=front)
     place = {(p, q): axis for p, q, axis in zip(columns.p, columns.q, columns.axis)}
     assert place[0, 0] == pytest.approx(towards, abs=1e-12)
     # p + q is dorsal, q - p to the front, whichever way pictures show it.
@@ -193,6 +195,16 @@ def test_the_front_is_where_it_is_said_to_be(lattice):
         made = omma.columns.to_hexals(light, lattice, front=front)[0, 0, 0]
         assert (made[sign * v > 1] == 1).all()
         assert (made[sign * v < -1] == 0).all()
+
+
+def test_another_word_for_a_side_is_refused():
+    with pytest.raises(omma.Error, match=r"side: expected left .-1. or right .1., found 'both'"):
+        omma.columns.hexal_columns(3, SPACING, (1, 0, 0), side="both")
+
+
+def test_columns_are_called_as_users_find_them():
+    with pytest.raises(TypeError, match=r"columns: expected omma\.columns\.Columns, found list"):
+        omma.columns.flyvis_movie(np.ones((2, 3)), [1, 2, 3])
 
 
 def test_hexals_without_a_column(lattice):

@@ -285,6 +285,7 @@ BAD = [
     (lambda: ONE.dataset(TWO), "events: expected an array"),
     (lambda: event_counts(EVENTS, [0, 0], (1,)), "edges_s: expected two or more"),
     (lambda: event_counts(EVENTS, [0, 1], (0,)), "shape: expected"),
+    (lambda: event_counts(EVENTS, [0, 1], 5), r"shape: expected \(N,\) or \(N, R\), found 5"),
     (lambda: event_counts(np.array([(0, 3, 0, 1)], EVENT), [0, 1], (2,)), "expected ommatidium 0"),
 ]
 

@@ -234,6 +234,9 @@ def test_names_lead_to_their_columns(columns):
     assert (omma.columns.find_columns(columns, pairs) == np.arange(len(pairs))).all()
     at = omma.columns.find_columns(columns, ["ME_R_col_18_19", "LOP_R_col_18_19", ("left", 1, -2)])
     assert [keys_of(columns)[k] for k in at] == [(1, 0, 0), (1, 0, 0), (-1, 1, -2)]
+    # As tables and JSON have them.
+    listed = [list(pair) for pair in pairs]
+    assert (omma.columns.find_columns(columns, listed) == np.arange(len(pairs))).all()
     # hex1 before hex2: one more of hex1 is one more of q.
     assert omma.columns.malecns_names(columns.chosen(at[2:])) == ["ME_L_col_16_20"]
 
@@ -249,6 +252,7 @@ def test_names_lead_to_their_columns(columns):
         ([("R", 0, 0)], "expected names of columns"),
         ([("right", 0.5, 0)], "expected whole numbers"),
         ("ME_R_col_18_19", "names: expected a list of names"),
+        (("right", 0, 0), "names: expected a list of names"),
     ],
 )
 def test_names_of_another_release_are_refused(columns, names, message):

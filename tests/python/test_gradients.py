@@ -250,6 +250,29 @@ def test_eyes_of_animals():
         assert value == pytest.approx(same.values[name], rel=1e-4, abs=1e-4)
 
 
+def test_what_does_not_fit_is_told_before_rays_are_traced():
+    renderer = omma.Renderer(omma.scene.box(), omma.eye.generate_eye(10))
+    shares: list[float] = []
+
+    def vjp(weights):
+        return renderer.vjp(AHEAD, weights, by="axis", progress=shares.append)
+
+    def jvp(tangents):
+        return renderer.jvp(AHEAD, tangents, progress=shares.append)
+
+    for call, message in (
+        (lambda: vjp(np.zeros((2, 10, 3))), r"cotangent: expected shape \(1, 10, 3\), found"),
+        (lambda: vjp(np.full((1, 10, 3), np.nan)), "cotangent: expected finite numbers"),
+        (lambda: jvp({"axis": np.zeros((3, 3))}), r"axis: expected shape \(10, 3\) or \(3,\)"),
+        (lambda: jvp({"rotation": (0, 1, 0)}), "tangents: expected one of .* did you mean"),
+    ):
+        with pytest.raises(omma.Error, match=message):
+            call()
+    assert not shares
+    vjp(np.zeros((1, 10, 3)))
+    assert shares
+
+
 def test_what_has_no_derivatives_is_refused():
     eye = omma.eye.generate_eye(10)
     long = omma.Acceptance.gaussian(0.1, 0.05)
@@ -271,6 +294,8 @@ def test_what_has_no_derivatives_is_refused():
     renderer = omma.Renderer(scene, eye)
     with pytest.raises(omma.Error, match="position"):
         renderer.jacobian(AHEAD, by="position_m")
+    with pytest.raises(TypeError, match=r"by: expected some of acceptance_angle_rad, .* None"):
+        renderer.jacobian(AHEAD, by=None)
     found = renderer.jacobian(AHEAD, by="axis")
     with pytest.raises(omma.Error, match="expected one of axis"):
         found.jvp({"rotation_rad": (0, 0, 1)})

@@ -313,9 +313,12 @@ def test_bounds_that_are_none(walker):
         ({"start": lambda rng: np.eye(4)}, r"start: expected it to return \(state, pose\)"),
         ({"start": lambda rng: (0, np.eye(3))}, "start: poses: expected"),
         ({"start": lambda rng: (0, np.stack([np.eye(4)] * 2))}, r"start: expected one pose \(4, 4"),
-        ({"motion": lambda *given: 1}, r"motion: expected it to return \(state, pose\)"),
+        ({"motion": lambda *given: 1}, r"motion: expected it to return \(state, pose\), found 1"),
+        ({"motion": lambda *given: (0, np.eye(4), [])}, r"\(state, pose\), found a tuple of 3"),
         ({"reward": lambda moment: np.nan}, "reward: expected a finite number, found nan"),
         ({"reward": lambda moment: None}, "reward: expected a finite number, found None"),
+        ({"ended": lambda moment: moment.nearest_m < 1}, r"ended: expected .* of shape \(40,\)"),
+        ({"ended": lambda moment: None}, "ended: expected True or False, found None"),
     ],
 )
 def test_functions_that_do_not_do(walker, changes, message):
@@ -339,6 +342,7 @@ def test_loops_that_cannot_be(walker):
         ({"frames": 0}, omma.Error, "frames: expected 1 to"),
         ({"most_steps": 0}, omma.Error, "most_steps: expected 1 to"),
         ({"bounds": (1, 0)}, omma.Error, "bounds: expected a least and a largest"),
+        ({"things": "crates"}, omma.Error, 'nothing called "crates" to move'),
     ):
         with pytest.raises(kind, match=message):
             loop_of(**({"renderer": walker} | changes))
@@ -348,6 +352,19 @@ def test_loops_that_cannot_be(walker):
         omma.gym.eye_env(walker)
     with pytest.raises(omma.Error, match="count: expected 1 to"):
         omma.gym.eye_vector_env(loop_of(walker), 0)
+
+
+@pytest.mark.parametrize("things", ["crate", ["crate"], 1])
+def test_one_thing_is_one(walker, things):
+    """By its name or its index alone, or as a list of one."""
+
+    def begin(rng):
+        state, pose = start(rng)
+        return state, pose, [np.eye(4)]
+
+    env = omma.gym.eye_env(loop_of(walker, things=things, start=begin))
+    assert walker.world.instances[1].name == "crate"
+    assert env.reset(seed=0)[0].shape == (40, 3)
 
 
 def test_steps_before_a_start(walker):

@@ -1,12 +1,14 @@
 """Figures of light, and the command that draws them."""
 
 import dataclasses
+import pickle
+from datetime import datetime, timedelta, timezone
 
 import numpy as np
 import pytest
 
 import omma
-from omma.picture.sky_plots import neutral_points
+from omma.picture.sky_plots import _title, neutral_points
 
 pytest.importorskip("matplotlib")
 
@@ -24,6 +26,17 @@ def test_a_figure_of_each_kind(tmp_path):
         assert (tmp_path / f"{k}.png").stat().st_size > 5000
     omma.picture.plot_sky([tmp_path / "a.svg", tmp_path / "a.pdf"], lights[0], [350, 550])
     assert b"<svg" in (tmp_path / "a.svg").read_bytes()
+
+
+def test_a_title_says_when_and_where():
+    pytest.importorskip("ephem")
+    moment = datetime(2026, 6, 21, 12, tzinfo=timezone(timedelta(hours=2)))
+    few = omma.light.Bands.equal(2)
+    light = omma.light.natural_sky_at(moment, 52.5, 13.4, bands=few)
+    expected = "natural sky at 2026-06-21 12:00+02:00, latitude 52.5°, longitude 13.4°"
+    assert _title(light) == expected
+    assert pickle.loads(pickle.dumps(light)) == light
+    assert _title(omma.light.clear_sky(30, bands=few)) == "clear sky, sun elevation 30°"
 
 
 def test_what_cannot_be_drawn(tmp_path):
@@ -45,10 +58,23 @@ def test_the_command(tmp_path, run_omma, kind):
     assert out == f"wrote {name}\n"
 
 
-def test_a_time_and_place(tmp_path, run_omma):
+def test_below_the_horizon(tmp_path, run_omma):
+    """Where a clear sky ends it says which one goes on."""
+    name = str(tmp_path / "sky.png")
+    given = ("light", "show", "--sun", "-12", "--wavelength", "440", "-o", name)
+    code, _, err = run_omma(*given)
+    assert code == 1
+    assert "--sun: expected -8 to 90, found -12.0; omma.light.natural_sky goes on" in err
+    code, out, err = run_omma(*given, "--kind", "natural")
+    assert (code, out, err) == (0, f"wrote {name}\n", "")
+
+
+@pytest.mark.parametrize("moment", ["2026-06-21T12:00:00+02:00", "2026-06-21T23:59:00+02:00"])
+def test_a_time_and_place(tmp_path, run_omma, moment):
     pytest.importorskip("ephem")
     name = str(tmp_path / "sky.png")
-    given = ("--time", "2026-06-21T12:00:00+02:00", "--place", "52.5,13.4", "--wavelength", "440")
+    kind = "natural" if "T23" in moment else "clear"  # a sun 14 degrees below the horizon
+    given = ("--time", moment, "--place", "52.5,13.4", "--wavelength", "440", "--kind", kind)
     code, _, err = run_omma("light", "show", *given, "-o", name)
     assert (code, err) == (0, "")
 

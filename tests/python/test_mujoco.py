@@ -228,6 +228,8 @@ def test_bad_input_is_named():
         (lambda: make(model, mujoco.MjData(model)), "call mujoco.mj_forward first"),
         (lambda: make(model, data, hidden=["nose"]), "hidden: expected one of floor"),
         (lambda: make(model, data, hidden="a"), "hidden: expected a list of names"),
+        (lambda: make(model, data, groups=0), "groups: expected numbers such as (0, 1, 2), found"),
+        (lambda: make(model, data, groups="0"), "groups: expected numbers such as (0, 1, 2)"),
         (lambda: make(model, data, colors="rgb"), "colors: expected one of srgb, linear"),
         (lambda: make(model, data, lux=0), "lux: expected a number above 0"),
         (lambda: update(world, 3), "data: expected a mujoco.MjData, found int"),

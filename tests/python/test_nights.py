@@ -209,6 +209,14 @@ class TestMoon:
             # It climbs a quarter of a degree a minute.
             assert moon.elevation_deg == pytest.approx(-0.83, abs=0.2)
 
+    def test_the_air_of_a_sky_at_a_time_is_said_as_of_the_clear_sky(self):
+        """By day, under a new moon: the clear sky of that air, to which the night adds 1e-8."""
+        noon = datetime(2026, 8, 12, 11, tzinfo=timezone.utc)
+        place, air = (52.5, 13.4), {"aerosol": 0.3, "ozone_du": 400.0, "bands": FEW}
+        found = omma.light.natural_sky_at(noon, *place, **air)
+        clear = omma.light.clear_sky_at(noon, *place, **air)
+        np.testing.assert_allclose(found.irradiance(), clear.irradiance(), rtol=1e-6)
+
     def test_the_sky_at_a_time_has_moon_and_night(self):
         place = 52.5, 13.4
         night = datetime(2026, 8, 27, 22, tzinfo=timezone.utc)

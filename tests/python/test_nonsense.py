@@ -59,6 +59,16 @@ def test_types_are_called_as_users_find_them():
             assert functools.reduce(getattr, full.split(".")[1:], omma).__name__ == name
 
 
+@pytest.mark.parametrize(
+    "call", [lambda fly: omma.Renderer(omma.Scene(), fly), omma.eye.measure_eye]
+)
+def test_an_animal_is_told_of_its_eye(call):
+    with pytest.raises(
+        TypeError, match=r"eye: expected omma\.Eye.* Species.*its \.eye is one"
+    ):
+        call(omma.species.drosophila())
+
+
 @pytest.mark.parametrize("value", [3, None, b"photons", ["photons"]])
 def test_choices_are_named(value):
     with pytest.raises(TypeError, match="unit: expected one of photons, watts, found"):

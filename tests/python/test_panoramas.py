@@ -182,12 +182,21 @@ def test_bad_pictures_are_refused():
     view = PanoramaView(eye, CubeFaces(8))
     with pytest.raises(omma.Error, match=r"pictures: expected shape \(..., 6, 8, 8, bands\)"):
         view.see(np.ones((8, 8, 3)))
+    with pytest.raises(omma.Error, match=r"pictures: expected uint8 \(sRGB\) or float .* uint16"):
+        view.see(np.ones((6, 8, 8, 3), np.uint16))
     with pytest.raises(omma.Error, match="picture: expected shape"):
         see_panorama(np.ones((8, 8)), eye)
     with pytest.raises(omma.Error, match=r"none\.png"):
         see_panorama("none.png", eye)
     with pytest.raises(omma.Error, match="world_from_head: expected a rotation"):
         PanoramaView(eye, CubeFaces(8), 2 * np.eye(3))
+    # A path is no pose; a path of one is.
+    path = omma.poses_from_angles(np.zeros((2, 3)), [[0, 0, 0], [90, 0, 0]])
+    with pytest.raises(omma.Error, match=r"world_from_head: expected one pose \(4, 4\), found 2"):
+        see_panorama(np.ones((8, 16, 3)), eye, path)
+    picture = np.random.default_rng(0).random((8, 16, 3))
+    one, alone = (see_panorama(picture, eye, pose) for pose in (path[1:], path[1]))
+    assert np.array_equal(one, alone)
     with pytest.raises(omma.Error, match="field_deg: expected 1 to 180"):
         Fisheye(8, 8, 200, "orthographic")
     with pytest.raises(omma.Error, match="lens: expected one of"):

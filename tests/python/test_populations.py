@@ -104,6 +104,18 @@ def test_lit_worlds():
         assert np.array_equal(one, alone(world, eye, pose))
 
 
+def test_a_camera_is_a_pose_by_its_name(scene):
+    population = omma.Population(scene, [omma.eye.generate_eye(20)] * 2, omma.Fixed(1))
+    assert population.world.scene is scene
+    by_name, by_pose = (
+        population.render(pose, first_pose=0)
+        for pose in ("bee", scene.camera("bee").world_from_camera)
+    )
+    assert all(map(np.array_equal, by_name, by_pose))
+    with pytest.raises(omma.Error, match='there is no camera "wasp"'):
+        population.render("wasp")
+
+
 def test_what_is_no_population_is_refused():
     world = omma.World(omma.scene.box())
     eye = omma.eye.generate_eye(10)

@@ -303,6 +303,10 @@ BOX = omma.study.Box((0, 0, 0), (1, 1, 1))
             ),
             "acceptance angles over 0",
         ),
+        (
+            lambda s: omma.study.alias_curve(s, omma.eye.generate_eye(9), [np.eye(4)] * 2, [1]),
+            r"pose: expected one pose \(4, 4\), found 2",
+        ),
     ],
 )
 def test_wrong_arguments_are_named(horizon, call, message):

@@ -59,12 +59,13 @@ def test_published_figures_are_complete():
         ({"warm_up_s": -1}, "warm_up_s: expected 0"),
         ({"rays": []}, "rays: expected at least one"),
         ({"rays": [0]}, "samples: expected 1"),
+        ({"pose": [np.eye(4)] * 2}, r"pose: expected one pose \(4, 4\), found 2"),
     ],
 )
 def test_wrong_arguments_are_named(scene, eye, changes, message):
-    settings = {"rays": [1], "frames": 1, "warm_up_s": 0} | changes
+    settings = {"pose": np.eye(4), "rays": [1], "frames": 1, "warm_up_s": 0} | changes
     with pytest.raises(omma.Error, match=message):
-        omma.study.measure_speed(scene, eye, np.eye(4), settings.pop("rays"), **settings)
+        omma.study.measure_speed(scene, eye, **settings)
 
 
 def test_speed_command(omma_command, tmp_path):  # noqa: F811

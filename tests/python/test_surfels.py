@@ -332,6 +332,18 @@ def test_files_of_points_are_scenes(tmp_path, run_omma):
     assert np.load(out).max() > 0
 
 
+def test_text_files_of_points_are_scenes_where_their_endings_say_it(tmp_path):
+    rows = np.c_[np.stack(np.meshgrid(np.arange(4.0), np.arange(5.0)), -1).reshape(-1, 2), [0] * 20]
+    for ending in ("xyz", "pts", "txt", "csv"):
+        np.savetxt(tmp_path / f"a.{ending}", rows)
+    with pytest.warns(UserWarning, match="grey"):
+        scenes = [omma.load_scene(tmp_path / f"a.{ending}") for ending in ("xyz", "pts")]
+    assert [one.triangle_count for one in scenes] == [40, 40]
+    for ending in ("txt", "csv"):
+        with pytest.raises(omma.Error, match=rf"a\.{ending}: .*omma\.scene\.load_points"):
+            omma.load_scene(tmp_path / f"a.{ending}")
+
+
 def eye_file(folder):
     omma.save_eye(folder / "a.eye", omma.eye.generate_eye(60))
     return folder / "a.eye"

@@ -147,6 +147,8 @@ def test_bad_input_of_a_window_is_said_and_leaves_nothing(ground):
         omma.view.show(scene, eye, port=0, path="nothing.csv")
     with pytest.raises(omma.Error, match="pose"):
         omma.view.show(scene, eye, port=0, pose=np.zeros((4, 4)))
+    with pytest.raises(omma.Error, match=r"pose: expected one pose \(4, 4\), found 2"):
+        omma.view.show(scene, eye, port=0, pose=[np.eye(4)] * 2)
     with pytest.raises(omma.Error, match="proxy: expected the address"):
         omma.view.show(scene, eye, port=0, proxy="lab.example")
     taken = socket.create_server(("127.0.0.1", 0))

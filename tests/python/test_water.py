@@ -249,6 +249,7 @@ class TestWater:
             ((even, -1.0), "depth_m: expected 0 to 1000"),
             ((even, 1.0, "IC"), "water: expected one of I, IA"),
             ((omma.light.lamps(), 1.0), "light: expected one with a sky"),
+            ((under_water(even, 1.0), 1.0), "light: expected one above the water"),
             ((uniform_sky(1.0, bands=omma.light.Bands.equal(2, 650, 750)), 1.0), "300 to 700 nm"),
         ]:
             with pytest.raises(Error, match=words):

@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
+from omma._core import Error, Eye
 from omma.base.card_arrays import OnCard, find_on_card
 from omma.base.dlpack import as_numpy
 
@@ -118,7 +118,14 @@ def expect(value: object, kind: type, name: str, hint: str) -> None:
         found = type(value).__name__
         known = "a dictionary" if kind is Mapping else _OWN.get(kind.__name__)
         full_name = known or f"omma.{kind.__name__}"
-        raise TypeError(f"{name}: expected {full_name}, found {found} ({hint})")
+        instead = or_its_eye(value, full_name, hint)
+        raise TypeError(f"{name}: expected {full_name}, found {found} ({instead})")
+
+
+def or_its_eye(value: object, expected: str, hint: str = "") -> str:
+    """Where an eye is expected and an animal given, which has one, that; else the hint."""
+    has_one = "omma.Eye" in expected and isinstance(getattr(value, "eye", None), Eye)
+    return "its .eye is one" if has_one else hint
 
 
 def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32] | OnCard:
@@ -167,14 +174,17 @@ _OWN = {
     "Bands": "omma.light.Bands",
     "Camera": "omma.scene.Camera",
     "CaptureCameras": "omma.scene.CaptureCameras",
+    "Columns": "omma.columns.Columns",
     "SplatCloud": "omma.scene.SplatCloud",
     "CloudShadow": "omma.light.CloudShadow",
+    "Disc": "omma.light.Disc",
     "DiscTarget": "omma.colour_vision.DiscTarget",
     "DetectorState": "omma.motion.DetectorState",
     "EventState": "omma.photoreceptors.EventState",
     "Eye": "omma.Eye",
     "EyeMeasures": "omma.eye.EyeMeasures",
     "GroundTruth": "omma.rendering.GroundTruth",
+    "HeadPose": "omma.view.HeadPose",
     "ImpulseResponse": "omma.photoreceptors.ImpulseResponse",
     "Job": "omma.datasets.Job",
     "Light": "omma.light.Light",
@@ -304,6 +314,8 @@ def checked(function: F) -> F:
                 value = given[name]
                 expected = " or ".join(text for _, text in kinds if text != "None")
                 found = f"{type(value).__name__} {value!r:.40}"
+                if hint := or_its_eye(value, expected):
+                    found += f" ({hint})"
                 raise TypeError(f"{name}: expected {expected}, found {found}")
         return function(*arguments, **named)
 

@@ -223,6 +223,18 @@ def as_poses(poses: Any, first: int = 0) -> Matrices:
     return matrices
 
 
+def as_pose(pose: Any, name: str) -> Matrices:
+    """One pose (4, 4), in any form that `as_poses` takes; omma.Error names the argument."""
+    try:
+        poses = as_poses(pose)
+    except Error as error:
+        raise Error(f"{name}: {error}") from None
+    if len(poses) != 1:
+        raise Error(f"{name}: expected one pose (4, 4), found {len(poses)}")
+    one: Matrices = poses[0]
+    return one
+
+
 def is_position_pair(poses: Any) -> bool:
     """Whether ``poses`` is (positions (P, 3), quaternions (P, 4)), not two matrices."""
     if not isinstance(poses, tuple) or len(poses) != 2:

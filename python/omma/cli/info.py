@@ -53,9 +53,10 @@ def info(
     file: Annotated[
         Path | None,
         typer.Argument(
-            help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz), "
-            "Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, transforms.json, "
-            "cameras.json), an eye (.eye, .csv), or responses (.zarr, .nc, .parquet, .npy, .csv).",
+            help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz, "
+            ".pts), Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, "
+            "transforms.json, cameras.json), an eye (.eye, .csv), or responses (.zarr, .nc, "
+            ".parquet, .npy, .csv).",
             metavar="FILE",
             show_default=False,
         ),

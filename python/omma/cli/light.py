@@ -15,6 +15,7 @@ from omma.cli.help import App
 from omma.cli.working import check_outputs, say, working
 from omma.light.bands import Bands
 from omma.light.lights import Light
+from omma.light.nights import natural_sky, natural_sky_at
 from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
 from omma.picture.sky_plots import plot_sky
 
@@ -31,8 +32,9 @@ Draw a sky: its radiance, degree and angle of polarisation at some wavelengths, 
 what sky and sun give to level ground; .pdf, .svg or .png.
 
 North is at the top, east at the right, the zenith in the middle. The sun stands where --sun and
---azimuth say, or where it is at a time (with its time zone) and place. docs/light.md says what the
-skies are.
+--azimuth say, or where it is at a time (with its time zone) and place. A clear sky ends where the
+sun is 8 degrees below the horizon, a natural one goes on into the night. docs/light.md says what
+the skies are.
 
 **Examples**
 
@@ -41,6 +43,8 @@ skies are.
 `omma light show --time 2026-06-21T19:30:00+02:00 --place 52.5,13.4 -o evening.pdf`
 
 `omma light show --sun 40 --kind overcast -o cloud.png --wavelength 500`
+
+`omma light show --sun -12 --kind natural -o dusk.png`
 """
 
 # Of figures: finer than eyes need.
@@ -78,7 +82,7 @@ def show(
         typer.Option(help="And where: latitude and longitude, degrees.", metavar="LAT,LON"),
     ] = None,
     kind: Annotated[
-        Literal["clear", "moonlit", "overcast"], typer.Option(help="Which sky.")
+        Literal["clear", "natural", "moonlit", "overcast"], typer.Option(help="Which sky.")
     ] = "clear",
     aerosol: Annotated[
         float, typer.Option(help="Optical depth of haze at 550 nm.", metavar="DEPTH")
@@ -130,13 +134,16 @@ def _sky(
     if (sun is None) == (time is None) or (time is None) != (place is None):
         raise Error("show: expected either --sun or --time and --place")
     if sun is None:
-        if kind != "clear":
-            raise Error(f"kind: expected clear with --time and --place, found {kind}")
-        return clear_sky_at(_moment(time or ""), *_place(place or ""), **air)
+        if kind not in ("clear", "natural"):
+            raise Error(f"kind: expected clear or natural with --time and --place, found {kind}")
+        make = clear_sky_at if kind == "clear" else natural_sky_at
+        return make(_moment(time or ""), *_place(place or ""), **air)
     if kind == "overcast":
         return overcast_sky(sun, **air)
     if kind == "moonlit":
         return moonlit_sky(sun, moon_azimuth_deg=azimuth, **air)
+    if kind == "natural":
+        return natural_sky(sun, sun_azimuth_deg=azimuth, **air)
     return clear_sky(sun, sun_azimuth_deg=azimuth, **air)
 
 

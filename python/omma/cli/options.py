@@ -34,8 +34,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 SceneArgument = Annotated[
     Path,
     typer.Argument(
-        help="Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply; Gaussian "
-        "splats: .ply, .spz.",
+        help="Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, "
+        ".pts; Gaussian splats: .ply, .spz.",
         metavar="SCENE",
     ),
 ]
@@ -50,7 +50,7 @@ SceneUpOption = Annotated[
     str | None,
     typer.Option(
         help="Axis that is up in the scene's file: y, z, or -y where y points down. Default: y, in "
-        ".las, .laz, .e57 and .xyz files z, in .ply files of Gaussian splats -y.",
+        "files of points but .ply z, in .ply files of Gaussian splats -y.",
         metavar="AXIS",
     ),
 ]

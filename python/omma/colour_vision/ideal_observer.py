@@ -19,7 +19,7 @@ def d_prime(target: ArrayLike, background: ArrayLike, *, dark: ArrayLike = 0.0) 
     """How far apart the counts of two things are, in standard deviations: (...).
 
     d'² = Σ (N_T - N_B)² / N, summed over receptors that count Poisson numbers of these means, with
-    N the mean of both and what is counted in the dark. That is the most of any sum of counts, each
+    N the mean of both plus what is counted in the dark. That is the most of any sum of counts, each
     with a weight of its own, for an observer who knows both means (difference of the means over the
     root mean square of both deviations: Green & Swets 1966, Signal detection theory and
     psychophysics; photons as what limits it: Rose 1942, Proc IRE 30:293; de Vries 1943, Physica

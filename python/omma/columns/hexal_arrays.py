@@ -4,6 +4,7 @@ the shape [sample, frame, channel, hexal] that such models take."""
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +22,7 @@ def hexal_columns(
     spacing_rad: float,
     towards: ArrayLike,
     *,
-    side: int = 1,
+    side: int | Literal["left", "right"] = 1,
     front: Front = "right",
 ) -> Columns:
     """A regular lattice of columns in the order of hexals, that look in evenly spaced directions.
@@ -33,7 +34,7 @@ def hexal_columns(
         radius: steps from the middle to the border; 15 makes 721.
         spacing_rad: between neighbours.
         towards: (3,), where the middle looks, in the head's frame.
-        side: of which eye: -1 left, 1 right.
+        side: of which eye: "left" or -1, "right" or 1.
         front: as of `uv_from_pq`.
 
     Example:
@@ -52,8 +53,9 @@ def hexal_columns(
             f"spacing_rad: expected at most a quarter turn from the middle to the border, found "
             f"{math.degrees(radius * spacing):.0f}°"
         )
-    if side not in (-1, 1):
-        raise Error(f"side: expected -1 (left) or 1 (right), found {side!r:.40}")
+    sign = {"left": -1, "right": 1}.get(side, 0) if isinstance(side, str) else side
+    if sign not in (-1, 1):
+        raise Error(f"side: expected left (-1) or right (1), found {side!r:.40}")
     middle = array_of(towards, "towards", (3,))
     length = np.linalg.norm(middle)
     across = np.cross(middle, (0.0, 1.0, 0.0))
@@ -61,14 +63,14 @@ def hexal_columns(
         raise Error("towards: expected a direction that is not straight up or down")
     middle, right = middle / length, across / np.linalg.norm(across)
     # Seen by itself, the right eye has the front on its left.
-    as_seen = (one_of(front, ("right", "left"), "front") == "right") == (side == -1)
+    as_seen = (one_of(front, ("right", "left"), "front") == "right") == (sign == -1)
     x, y = spacing * math.sqrt(3) / 2 * v * (1 if as_seen else -1), -spacing * (u + v / 2)
     angle = np.hypot(x, y)
     step = np.outer(x, right) + np.outer(y, np.cross(right, middle))
     sine = np.sin(angle) / np.where(angle > 0, angle, 1)
     axis = np.cos(angle)[:, None] * middle + sine[:, None] * step
     p, q = pq_from_uv(u, v, front)
-    return Columns(p, q, np.full(len(p), side), axis)
+    return Columns(p, q, np.full(len(p), sign), axis)
 
 
 @checked
@@ -163,6 +165,7 @@ def flyvis_movie(
     Raises:
         omma.Error: as of `to_hexals`, a white or fill out of its range, light that is NaN.
     """
+    expect_columns(columns)
     given = array_of(light, "light")
     if given.ndim not in (2, 3) or given.shape[-1] != len(columns):
         raise Error(

@@ -84,7 +84,8 @@ def find_columns(columns: Columns, names: Sequence[str] | Sequence[tuple[str, in
             as those of the rim that have no measured axis.
     """
     expect_columns(columns)
-    if isinstance(names, str) or not isinstance(names, Iterable):
+    is_one = isinstance(names, tuple) and names[:1] in (("left",), ("right",))
+    if is_one or isinstance(names, str) or not isinstance(names, Iterable):
         raise Error(f"names: expected a list of names of columns, found {names!r:.40}")
     keys = zip(columns.side.tolist(), columns.p.tolist(), columns.q.tolist(), strict=True)
     row_of = {key: k for k, key in enumerate(keys)}
@@ -103,7 +104,7 @@ def find_columns(columns: Columns, names: Sequence[str] | Sequence[tuple[str, in
 
 def column_of_name(name: object) -> tuple[int, int, int]:
     """(side, p, q) of a name of MaleCNS's, or of FlyWire's (hemisphere, p, q)."""
-    if isinstance(name, tuple) and len(name) == 3 and name[0] in ("left", "right"):
+    if isinstance(name, (tuple, list)) and len(name) == 3 and name[0] in ("left", "right"):
         p, q = _whole(name[1], name), _whole(name[2], name)
         return (1 if name[0] == "right" else -1), p, q
     match = _NAME.fullmatch(name) if isinstance(name, str) else None

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of
-from omma.base.poses import as_poses
+from omma.base.poses import as_pose, as_poses
 from omma.gym.loop import Floats, Loop, Moment, Responses
 from omma.gym.states import check_states, choose, merge
 
@@ -143,7 +143,7 @@ class EpisodesInTurn:
                 worth = np.nan
             if not np.isfinite(worth):
                 raise Error(f"reward: expected a finite number, found {reward!r:.40}")
-            ended[k] = loop.ended is not None and bool(loop.ended(moment))
+            ended[k] = loop.ended is not None and _is_over(loop.ended(moment))
             cut_off[k] = loop.most_steps is not None and self._steps[k] >= loop.most_steps
         return rewards, ended, cut_off
 
@@ -158,7 +158,7 @@ class EpisodesInTurn:
         poses = [pose for pose, _, _ in returned]
         self._poses = _checked_at_once(poses)
         if self._poses is None:  # one by one, as errors say which function it was
-            self._poses = np.concatenate([_one_pose(pose, name) for pose, _, name in returned])
+            self._poses = np.stack([as_pose(pose, name) for pose, _, name in returned])
         things = len(self._loop.things)
         if not things:
             return self._poses, None
@@ -295,8 +295,18 @@ def _taken(loop: Loop, returned: Any, name: str) -> tuple[Any, Any, str]:
     """The pose or poses and the transforms (None: no things) of what a function returned."""
     wanted = "(state, pose, transforms)" if loop.things else "(state, pose)"
     if not isinstance(returned, tuple) or len(returned) != (3 if loop.things else 2):
-        raise Error(f"{name}: expected it to return {wanted}, found {returned!r:.60}")
+        is_tuple = isinstance(returned, tuple)
+        found = f"a tuple of {len(returned)}" if is_tuple else f"{returned!r:.60}"
+        raise Error(f"{name}: expected it to return {wanted}, found {found}")
     return returned[1], returned[2] if loop.things else None, name
+
+
+def _is_over(said: Any) -> bool:
+    """What ``ended`` said of one environment."""
+    if said is None or np.size(said) != 1:
+        found = "None" if said is None else f"{type(said).__name__} of shape {np.shape(said)}"
+        raise Error(f"ended: expected True or False, found {found}")
+    return bool(said)
 
 
 def _checked_at_once(poses: list[Any]) -> Floats | None:
@@ -307,17 +317,6 @@ def _checked_at_once(poses: list[Any]) -> Floats | None:
         return as_poses(np.stack(poses))
     except (Error, TypeError, ValueError):
         return None
-
-
-def _one_pose(pose: Any, name: str) -> Floats:
-    """A pose (1, 4, 4); an error says which function it is of."""
-    try:
-        poses = as_poses(pose)
-    except Error as error:
-        raise Error(f"{name}: {error}") from None
-    if len(poses) != 1:
-        raise Error(f"{name}: expected one pose (4, 4), found {len(poses)}")
-    return poses
 
 
 def see_poses(loop: Loop, limits: tuple[float, float], where: Where) -> Views:

@@ -14,6 +14,7 @@ from omma.base.arguments import array_of, expect, whole
 from omma.base.values import value_class
 from omma.gym.bounds import response_bounds
 from omma.rendering.renderer import Renderer
+from omma.scene.world_moves import indices_of
 
 Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
@@ -72,8 +73,8 @@ class Loop:
             newest last. Before the first frame the world is taken to have stood still.
         distances: moments have distances, by the rays that the responses are made of; for
             renderers with `Fixed` or `ToError`.
-        things: names or indices of K things that move besides the head; start and motion then
-            return (state, pose, transforms), the last ``world_from_node`` (K, 4, 4), m.
+        things: names or indices of K things that move besides the head, or that of one; start and
+            motion then return (state, pose, transforms), the last ``world_from_node`` (K, 4, 4), m.
         bounds: least and largest response, for the bounds of observations; a response beyond them
             is an error. None: `response_bounds` of the world.
         batched: functions are of K environments at a time, so that what they do is done in arrays:
@@ -118,6 +119,11 @@ class Loop:
             whole(self.frames, "frames", 1, _MOST_FRAMES)
         if not isinstance(self.batched, (bool, np.bool_)):
             raise TypeError(f"batched: expected True or False, found {self.batched!r:.40}")
+        things: Any = self.things
+        if isinstance(things, str) or not hasattr(things, "__iter__"):
+            things = (things,)
+        object.__setattr__(self, "things", tuple(things))
+        indices_of(self.renderer.world, self.things)  # a name that nothing has is told here
         if self.bounds is not None:
             least, largest = array_of(self.bounds, "bounds", (2,))
             if not least < largest:

@@ -71,11 +71,14 @@ def natural_sky(
 
 
 @checked
+@makes_light
 def natural_sky_at(
     date_time: datetime,
     latitude_deg: float,
     longitude_deg: float,
     *,
+    aerosol: float = 0.1,
+    ozone_du: float = 300.0,
     albedo: float = 0.1,
     height_m: float = 0.0,
     bands: Bands | None = None,
@@ -83,13 +86,16 @@ def natural_sky_at(
 ) -> Light:
     """A clear sky at any time and place, where -Z is north: `clear_sky` with the sun where
     `sun_position` says, going over into `night_sky_at` as in `natural_sky`, and `moonlit_sky` with
-    the moon where `moon_position` says. Bright stars are added by
-    ``+ omma.light.stars(date_time, ...)``.
+    the moon where `moon_position` says. A moon whose phase angle is beyond 150 degrees, so that 7 %
+    of it or less are lit, or more than 8 degrees below the horizon, is left out. Bright stars are
+    added by ``+ omma.light.stars(date_time, ...)``.
 
     Args:
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
+        aerosol, ozone_du: as of `clear_sky`, of what sun and moon light; the night's own glow is
+            seen through its usual air.
         albedo, height_m, bands, unit: as of `clear_sky`.
 
     Example:
@@ -115,6 +121,8 @@ def natural_sky_at(
         light = light + share * clear_sky(
             max(sun.elevation_deg, LOWEST_SUN_DEG),
             sun_azimuth_deg=sun.azimuth_deg,
+            aerosol=aerosol,
+            ozone_du=ozone_du,
             albedo=albedo,
             height_m=height_m,
             bands=bands,
@@ -130,6 +138,8 @@ def natural_sky_at(
             direction(moon.azimuth_deg, moon.elevation_deg),
             direction(sun.azimuth_deg, sun.elevation_deg),
         ),
+        aerosol=aerosol,
+        ozone_du=ozone_du,
         albedo=albedo,
         height_m=height_m,
         bands=bands,

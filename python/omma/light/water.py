@@ -151,14 +151,16 @@ def under_water(
         UserWarning: so turbid and deep that the light is more than a third too bright.
 
     Raises:
-        omma.Error: a light without a sky or with shadows of clouds, an unknown type, bands beyond
-            300 to 700 nm, a number out of range, one of a and b without the other, or both and a
-            type.
+        omma.Error: a light without a sky, one that is under water already or with shadows of
+            clouds, an unknown type, bands beyond 300 to 700 nm, a number out of range, one of a and
+            b without the other, or both and a type.
     """
     within(depth_m, "depth_m", 0, _DEEPEST_M)
     n = within(refractive_index, "refractive_index", *_INDICES)
     if light.sky is None:
         raise Error("light: expected one with a sky, found none")
+    if light.recipe is not None and light.recipe[0] == "under_water":
+        raise Error("light: expected one above the water, found one under water")
     if light.cloud_shadow is not None:
         raise Error("light: expected one whose clouds cast no shadows, found a cloud_shadow")
     check_range(light.bands.wavelength_nm)

@@ -71,6 +71,8 @@ def scene_from_model(
     data = data_at_start(model) if data is None else checked_data(data, model)
     linear = one_of(colors, ("srgb", "linear"), "colors") == "linear"
     light = positive(lux, "lux")
+    if isinstance(groups, str) or not hasattr(groups, "__iter__"):
+        raise Error(f"groups: expected numbers such as (0, 1, 2), found {groups!r:.40}")
     if model.nflex:
         warn_caller(f"model: its flexes, {model.nflex}, are left out", UserWarning)
     look = Look(model, linear)

@@ -300,8 +300,9 @@ def event_counts(events: ArrayLike, edges_s: ArrayLike, shape: tuple[int, ...]) 
     edges = array_of(edges_s, "edges_s", (None,))
     if len(edges) < 2 or not (np.isfinite(edges).all() and (np.diff(edges) > 0).all()):
         raise Error("edges_s: expected two or more finite times that grow")
-    sizes = array_of(shape, "shape", (None,), np.int64)
-    if len(sizes) not in (1, 2) or not (sizes > 0).all() or np.prod(sizes.astype(float)) > 2**40:
+    sizes = array_of(shape, "shape", dtype=np.int64)
+    fits = sizes.shape in ((1,), (2,)) and (sizes > 0).all()
+    if not fits or np.prod(sizes.astype(float)) > 2**40:
         raise Error(f"shape: expected (N,) or (N, R), found {shape!r:.40}")
     whole = (int(sizes[0]), int(sizes[1]) if len(sizes) == 2 else 1)
     for name, size in zip(("ommatidium", "receptor"), whole):

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -271,4 +272,8 @@ def _title(light: Light) -> str:
         for key, value in arguments.items()
         if isinstance(value, (int, float))
     ]
-    return ", ".join([name.replace("_", " "), *words])
+    called = name.replace("_", " ")
+    moment = arguments.get("date_time")
+    if isinstance(moment, datetime):
+        called += f" {moment.isoformat(' ', 'minutes')}"  # "clear sky at ..."
+    return ", ".join([called, *words])

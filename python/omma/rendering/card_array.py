@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import prod
 from typing import Any
 
@@ -36,6 +36,9 @@ class CardArray:
     """
 
     def __init__(self, shape: Sequence[int], card: int = 0) -> None:
+        if not isinstance(shape, Iterable):
+            found = f"{type(shape).__name__} {shape!r:.40}"
+            raise TypeError(f"shape: expected lengths of axes, as (1, 10760, 3), found {found}")
         self.shape = tuple(whole(length, "shape", 1, _MOST) for length in shape)
         if not self.shape:
             raise Error("shape: expected at least one axis, found none")

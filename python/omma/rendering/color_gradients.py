@@ -68,7 +68,7 @@ def color_jacobian(
     names = list(by) if isinstance(by, Sequence) and not isinstance(by, str) else [by]
     materials = [one.name for one in self.world.scene.materials]
     which = [
-        None if isinstance(name, str) and name == BACKGROUND else index_of(name, "by", materials)
+        None if isinstance(name, str) and name == BACKGROUND else _index(name, materials)
         for name in names
     ]
     matrices = poses_of(self, poses)
@@ -174,6 +174,13 @@ def background_vjp(
             # By red, green and blue of what the rays of an ommatidium see.
             _spread(gradient, size, directions[0], share, weights[p] @ lift)
     return gradient.reshape(*size, 3)
+
+
+def _index(name: int | str, materials: Sequence[str]) -> int:
+    try:
+        return index_of(name, "by", materials)
+    except Error as error:
+        raise Error(f"{error}; or {BACKGROUND!r}") from None
 
 
 def _rays(

@@ -17,7 +17,7 @@ vector s that points from a to the ray, and Z(w) = ∫ exp(−4 ln 2 ϑ²/w²) s
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -77,17 +77,10 @@ class Jacobian:
             omma.Error: a parameter that this has no derivatives by, another shape, numbers that
                 are not finite.
         """
-        expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
         poses, ommatidia, _ = self.responses.shape
-        size: dict[Parameter, tuple[int, ...]] = {
-            "acceptance_angle_rad": (ommatidia,),
-            "axis": (ommatidia, 3),
-            "rotation_rad": (poses, 3),
-        }
         change = np.zeros(self.responses.shape)
-        for name, tangent in tangents.items():
-            value = self._value(name)
-            change += np.einsum(ALONG[name], value, _tangent(tangent, name, size[name]))
+        for name, tangent in _tangents(tangents, poses, ommatidia).items():
+            change += np.einsum(ALONG[name], self._value(name), tangent)
         return change
 
     @checked
@@ -99,9 +92,7 @@ class Jacobian:
         Raises:
             omma.Error: another shape, a cotangent that is not finite.
         """
-        weights = array_of(cotangent, "cotangent", self.responses.shape)
-        if not np.isfinite(weights).all():
-            raise Error("cotangent: expected finite numbers")
+        weights = _cotangent(cotangent, self.responses.shape)
         summed = {"acceptance_angle_rad": "pnc,pnc->n", "axis": "pnc,pnci->ni"}
         return {
             name: np.einsum(summed.get(name, "pnc,pnci->pi"), weights, value)
@@ -112,6 +103,29 @@ class Jacobian:
         if name not in self.values:
             raise Error(f"{name}: expected one of {', '.join(self.values)}")
         return self.values[name]
+
+
+def _cotangent(value: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    weights: Floats = array_of(value, "cotangent", shape)
+    if not np.isfinite(weights).all():
+        raise Error("cotangent: expected finite numbers")
+    return weights
+
+
+def _tangents(
+    tangents: Mapping[Parameter, ArrayLike], poses: int, ommatidia: int
+) -> dict[Parameter, Floats]:
+    """Changes of parameters, each of its whole shape."""
+    expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
+    size: dict[str, tuple[int, ...]] = {
+        "acceptance_angle_rad": (ommatidia,),
+        "axis": (ommatidia, 3),
+        "rotation_rad": (poses, 3),
+    }
+    return {
+        name: _tangent(value, name, size[one_of(name, PARAMETERS, "tangents")])
+        for name, value in tangents.items()
+    }
 
 
 def _tangent(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
@@ -162,6 +176,9 @@ def jacobian(
         omma.Error: a lit world, rays that are not `Fixed`, ommatidia that are not round Gaussians
             of a width above 0, frames that last, or what `render` raises.
     """
+    if not isinstance(by, Iterable):  # a text is one
+        known, found = ", ".join(PARAMETERS), f"{type(by).__name__} {by!r:.40}"
+        raise TypeError(f"by: expected some of {known}, found {found}")
     names = (by,) if isinstance(by, str) else tuple(by)
     for name in names:
         one_of(name, PARAMETERS, "by")
@@ -199,8 +216,12 @@ def jvp(
         poses: as in `render`.
         tangents: by parameter, by how much it changes.
         options: ``first_pose`` and ``progress``.
+
+    Raises:
+        omma.Error: another parameter or shape, which is told before rays are traced; what
+            `jacobian` raises.
     """
-    expect(tangents, Mapping, "tangents", "a dictionary of changes by parameter")
+    _tangents(tangents, len(poses_of(self, poses)), len(self.eye))
     found = jacobian(self, poses, by=tuple(tangents), **options)
     return found.responses, found.jvp(tangents)
 
@@ -223,9 +244,14 @@ def vjp(
         cotangent: (P, N, C), the number's gradient by responses.
         by: which parameters.
         options: ``first_pose`` and ``progress``.
+
+    Raises:
+        omma.Error: a cotangent of another shape, which is told before rays are traced; what
+            `jacobian` raises.
     """
+    weights = _cotangent(cotangent, (len(poses_of(self, poses)), len(self.eye), self.bands))
     found = jacobian(self, poses, by=by, **options)
-    return found.responses, found.vjp(cotangent)
+    return found.responses, found.vjp(weights)
 
 
 def expect_differentiable(renderer: Prepared, *, own_widths: bool = True) -> int:

@@ -17,7 +17,7 @@ from omma._core import Acceptance, Background, Error, Eye
 from omma.base.arguments import array_of, checked, expect
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
-from omma.base.poses import as_poses
+from omma.base.poses import as_pose
 from omma.base.srgb import linear_of_srgb
 from omma.rendering.picture_layouts import Equirectangular, Layout, pixels_of
 
@@ -102,11 +102,11 @@ class PanoramaView:
         """Responses (N, B) of a picture, or (..., N, B) of several: float32, linear.
 
         Args:
-            pictures: (..., \\*layout.shape, B), linear radiance in any number of bands; or uint8,
-                which is sRGB.
+            pictures: (..., \\*layout.shape, B), linear radiance in any number of bands, floats; or
+                uint8, which is sRGB.
 
         Raises:
-            omma.Error: a shape that is not the layout's.
+            omma.Error: a shape that is not the layout's, or whole numbers of another kind.
         """
         given = np.asarray(pictures)
         shape = self.layout.shape
@@ -187,9 +187,11 @@ def load_picture(path: PathLike) -> Responses:
 
 
 def linear(pixels: NDArray[np.generic]) -> Responses:
-    """Pixels as linear float32: uint8 is sRGB, all else is linear already."""
+    """Pixels as linear float32: uint8 is sRGB, floats are linear already."""
     if pixels.dtype == np.uint8:
         return np.asarray(_OF_SRGB[pixels])
+    if pixels.dtype.kind in "biu":
+        raise Error(f"pictures: expected uint8 (sRGB) or float (linear), found {pixels.dtype}")
     array: Responses = array_of(pixels, "pictures", dtype=np.float32)
     return array
 
@@ -202,7 +204,7 @@ def _rotation(world_from_head: ArrayLike | None) -> Floats:
         whole = np.eye(4)
         whole[:3, :3] = given
         given = whole
-    turned: Floats = as_poses(given)[0, :3, :3]
+    turned: Floats = as_pose(given, "world_from_head")[:3, :3]
     if not np.allclose(turned @ turned.T, np.eye(3), atol=1e-4) or np.linalg.det(turned) < 0:
         raise Error("world_from_head: expected a rotation, found one that stretches or mirrors")
     return turned

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
-from omma._core import Error, Eye
+from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, expect
 from omma.base.progress import Progress
 from omma.rendering.call import Frames, Responses, render_eyes
@@ -36,7 +36,7 @@ class Population:
     less than rendering it.
 
     Args:
-        world: what there is to see.
+        world: what there is to see; or a scene, of which one is made.
         eyes: E eyes; or one, whose ommatidia are those of all, one eye behind the other.
         sampling: `omma.Fixed`: as many rays for every ommatidium.
         sizes: (E,), with one eye: how many ommatidia each has.
@@ -61,7 +61,7 @@ class Population:
     @takes_options
     def __init__(
         self,
-        world: World,
+        world: World | Scene,
         eyes: Eye | Sequence[Eye],
         sampling: Sampling = Settings.sampling,
         *,
@@ -69,13 +69,13 @@ class Population:
         threads: int = 0,
         **options: Unpack[Options],
     ) -> None:
-        expect(world, World, "world", "omma.World(scene) makes one")
         expect(sampling, Fixed, "sampling", "the ommatidia of a population have equally many rays")
         self._settings = Settings(sampling, **options)
         if self._settings.impulse_response is not None:
             raise Error("impulse_response: expected frames that do not last for a population")
-        self._world, self._threads = world, threads
-        self._take(eyes, sizes, world._engine)
+        self._world = World(world, threads=threads) if isinstance(world, Scene) else world
+        self._threads = threads
+        self._take(eyes, sizes, self._world._engine)
 
     @checked
     def with_eyes(self, eyes: Eye | Sequence[Eye], *, sizes: ArrayLike | None = None) -> Population:
@@ -120,7 +120,7 @@ class Population:
     @checked
     def render(
         self,
-        poses: ArrayLike,
+        poses: ArrayLike | str,
         *,
         standard_error: bool = False,
         first_pose: int | None = None,
@@ -129,8 +129,8 @@ class Population:
         """Responses of each eye, (P, N, C) of its N ommatidia, all of them parts of one array.
 
         Args:
-            poses: ``world_from_head`` (4, 4), m, of all; (E, 4, 4), of each; or (P, E, 4, 4), P of
-                each.
+            poses: ``world_from_head`` (4, 4), m, or the name of a camera of the scene, of all;
+                (E, 4, 4), of each; or (P, E, 4, 4), P of each.
             standard_error: also the standard errors, in the same form.
             first_pose: as of `Renderer.render`.
             progress: called with the finished share (0 to 1); what it raises ends the work.
@@ -150,8 +150,10 @@ class Population:
         found = np.split(responses, ends, axis=1)
         return found if errors is None else (found, np.split(errors, ends, axis=1))
 
-    def _poses(self, poses: ArrayLike) -> NDArray[np.float64]:
+    def _poses(self, poses: ArrayLike | str) -> NDArray[np.float64]:
         """(P, E, 4, 4)."""
+        if isinstance(poses, str):
+            poses = self._world.scene.camera(poses).world_from_camera
         given, eyes = array_of(poses, "poses"), len(self._sizes)
         if given.shape == (4, 4):
             given = np.broadcast_to(given, (eyes, 4, 4))

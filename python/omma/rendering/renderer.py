@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
-from omma.base.arguments import checked, expect
+from omma.base.arguments import checked, expect, or_its_eye
 from omma.base.notebook import html_table, without_folder
 from omma.base.progress import Progress
 from omma.base.renamed import renamed_arguments
@@ -278,6 +278,6 @@ def _one_eye(eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]]) -> Eye:
     if not isinstance(eye, (list, tuple)):
         raise TypeError(
             f"eye: expected omma.Eye or a list of them, found {type(eye).__name__} "
-            "(omma.load_eye gives one)"
+            f"({or_its_eye(eye, 'omma.Eye', 'omma.load_eye gives one')})"
         )
     return _core.merge_eyes(eye)

@@ -25,6 +25,11 @@ from omma.scene.splat_files import is_splat_file, load_splat_scene
 from omma.scene.surfel_scenes import load_surfels
 from omma.scene.without_light import is_of_light, remember_loaded
 
+# Of endings that say too little.
+_OF_POINTS = (
+    "points of a scan are read by omma.scene.load_points, of which omma.scene.surfels makes a scene"
+)
+
 
 @checked
 def load_scene(
@@ -38,8 +43,8 @@ def load_scene(
     progress: Callable[[float], object] | None = None,
 ) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, the
-    points of a `.las`, `.laz`, `.e57` or `.xyz` file, or of a `.ply` file without faces, or the
-    Gaussian splats of a `.ply` or `.spz` file.
+    points of a `.las`, `.laz`, `.e57`, `.xyz` or `.pts` file, or of a `.ply` file without faces, or
+    the Gaussian splats of a `.ply` or `.spz` file.
 
     Meshes need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what becomes
     of colours and pictures. Points become discs as `omma.scene.load_points` and
@@ -59,7 +64,7 @@ def load_scene(
             number of metres. glTF says metres, +Y up; scanners' programs do not always heed it
             (`omma info` says how large a scene is). Eyes of a scene's cameras keep their size.
         up: the axis that points up: "y", "z", or "-y" where y points down and z ahead. None: y, in
-            `.las`, `.laz`, `.e57` and `.xyz` files z, in `.ply` files of splats -y.
+            files of points but `.ply` z, in `.ply` files of splats -y.
         voxel_m: of points alone: side of the cells of a grid, m, in each of which their mean is one
             disc. None: each point is one.
         progress: called with the finished share (0 to 1), roughly, a few times a second. What it
@@ -108,7 +113,12 @@ def read_scene(
     """As `load_scene`, for those who hand ``Scene.warnings`` on themselves."""
     name = os.fsdecode(path)
     if Path(name).suffix.lower() in (".eye", ".csv"):
-        raise Error(f"{name}: expected a scene, .gltf or .glb, found the name of an eye file")
+        points = "" if name.lower().endswith(".eye") else f"; {_OF_POINTS}"
+        raise Error(
+            f"{name}: expected a scene, .gltf or .glb, found the name of an eye file{points}"
+        )
+    if Path(name).suffix.lower() == ".txt":
+        raise Error(f"{name}: expected a scene, .gltf or .glb, found a text file; {_OF_POINTS}")
     if Path(name).suffix.lower() == ".blend":
         raise Error(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "

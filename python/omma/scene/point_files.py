@@ -21,7 +21,7 @@ from omma.scene.las_heads import check_las_head, las_unit, reading_las
 
 Floats = NDArray[np.float64]
 
-POINT_FILES = (".las", ".laz", ".e57", ".xyz")
+POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts")
 TEXT_FILES = (".xyz", ".pts", ".txt", ".csv")
 # Of a piece: some 100 MB while it is read.
 PIECE = 1 << 20

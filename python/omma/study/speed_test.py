@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
-from omma.base.poses import as_poses
+from omma.base.poses import as_pose
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
@@ -90,7 +90,7 @@ def measure_speed(
     if not len(rays):
         raise Error("rays: expected at least one number")
     tell: Progress = progress or (lambda stage, fraction: None)
-    matrix = as_poses(pose)[:1]
+    matrix = as_pose(pose, "pose")[None]
     batch = np.repeat(matrix, frames, axis=0)
     single, together = [], []
     renderer = Renderer(

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
-from omma.base.poses import as_poses, numbers
+from omma.base.poses import as_pose, as_poses, numbers
 from omma.base.renamed import renamed_fields
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
@@ -298,6 +298,7 @@ def alias_curve(
     angles = solid_angles_sr(eye)
     if not (angles > 0).all():
         raise Error("eye: expected acceptance angles over 0, found one of 0")
+    at = as_pose(pose, "pose")[None]
     base = scene_renderer(scene, threads)
     per_sr, plain = [], []
     for number, count in enumerate(rays):
@@ -306,7 +307,7 @@ def alias_curve(
         variance = response_variances(
             base,
             eye,
-            as_poses(pose)[:1],
+            at,
             rays=count,
             repeats=repeats,
             method=method,

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye, Scene, merge_eyes
 from omma.base.arguments import checked, expect, whole
 from omma.base.optional import needs
-from omma.base.poses import as_poses, load_poses
+from omma.base.poses import as_pose, as_poses, load_poses
 from omma.eye.files import load_eye
 from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.files import read_scene
@@ -68,7 +68,7 @@ class Window:
         Raises:
             omma.Error: it is no pose.
         """
-        there = pose if isinstance(pose, HeadPose) else pose_from_matrix(as_poses(pose)[0])
+        there = pose if isinstance(pose, HeadPose) else pose_from_matrix(as_pose(pose, "pose"))
         self._page.go_to(there)
 
     def close(self) -> None:
@@ -194,7 +194,7 @@ def open_window(world: World, eye: Eye, sources: Sources, asked: WindowOptions) 
     looker = Looker(world, eye, ultraviolet=given, animation=asked.animation, threads=asked.threads)
     cameras = world.scene.cameras
     if asked.pose is not None:
-        first = as_poses(asked.pose)[0]
+        first = as_pose(asked.pose, "pose")
     else:
         first = cameras[0].world_from_camera if cameras else np.eye(4)
     poses = load_poses(asked.path) if isinstance(asked.path, str) else asked.path
