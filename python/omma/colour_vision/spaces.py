@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.colour_vision.catches import as_catches, relative
-
-Floats = NDArray[np.float64]
 
 # Sectors of the hexagon, clockwise from its blue corner at the top (Chittka et al. 1994, Vision Res
 # 34:1489).
@@ -266,9 +265,4 @@ def _excited(value: ArrayLike, name: str) -> Floats:
 
 
 def _points(value: ArrayLike, name: str, axes: int) -> Floats:
-    points = array_of(value, name)
-    if points.shape[-1:] != (axes,):
-        raise Error(f"{name}: expected shape (..., {axes}), found {points.shape}")
-    if not np.all(np.isfinite(points)):
-        raise Error(f"{name}: expected finite numbers")
-    return points
+    return array_of(value, name, (..., axes), finite=True)

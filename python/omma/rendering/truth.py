@@ -275,14 +275,7 @@ def _velocity(given: tuple[ArrayLike, ArrayLike], name: str, poses: int) -> NDAr
         )
     velocities = []
     for velocity, what in zip(given, ("linear_m_s", "angular_rad_s"), strict=True):
-        numbers = array_of(velocity, f"{name}, {what}")
-        if numbers.shape not in ((3,), (poses, 3)):
-            raise Error(
-                f"{name}, {what}: expected shape (3,) or ({poses}, 3), one for each pose, found "
-                f"{numbers.shape}"
-            )
-        if not np.isfinite(numbers).all():
-            raise Error(f"{name}, {what}: expected finite numbers, found {numbers!r:.60}")
+        numbers = array_of(velocity, f"{name}, {what}", [(3,), (poses, 3)], finite=True)
         velocities.append(np.broadcast_to(numbers, (poses, 3)))
     return np.ascontiguousarray(np.concatenate(velocities, axis=1))
 
