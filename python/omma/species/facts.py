@@ -7,22 +7,19 @@ made of. A row is `measured` (a number that the source prints, or computed from 
 
 from __future__ import annotations
 
-import csv
 import math
 from collections import Counter
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats
 from omma.base.notebook import html_table
+from omma.base.tables import packaged_rows
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
 
 STATUSES = ("measured", "interpolated", "assumed")
 # The animals whose eyes there are.
@@ -175,7 +172,8 @@ class Species:
 @cache
 def sources() -> tuple[Source, ...]:
     """All sources, in the order of the table of sources."""
-    return tuple(Source(row["key"], row["citation"], row["read"]) for row in _rows("sources.csv"))
+    rows = packaged_rows("omma.species", "sources.csv")
+    return tuple(Source(row["key"], row["citation"], row["read"]) for row in rows)
 
 
 @cache
@@ -192,7 +190,7 @@ def facts(animal: str | None = None) -> tuple[Fact, ...]:
             known[row["source"]],
             row["note"],
         )
-        for row in _rows("facts.csv")
+        for row in packaged_rows("omma.species", "facts.csv")
     )
     if animal is None:
         return table
@@ -225,11 +223,6 @@ def _find(animal: str, quantity: str) -> Fact:
             return fact
     known = ", ".join(fact.quantity for fact in facts(animal))
     raise Error(f"quantity: expected one of {known}, found {quantity!r}")
-
-
-def _rows(name: str) -> list[dict[str, str]]:
-    text = files("omma.species").joinpath(name).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
 
 
 def _csv(table: tuple[Fact, ...]) -> str:
