@@ -12,10 +12,10 @@ import numpy as np
 
 from omma._core import Eye
 from omma.base.arguments import checked
+from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike, WholeFiles, check_ending
 from omma.eye.measures import EyeMeasures
-from omma.eye.neighbours import Floats
 
 _DEGREE = 180 / np.pi
 #: What spreads are told of, in this order: name, what it is, its unit.

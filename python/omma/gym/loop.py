@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, expect, whole
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.gym.bounds import response_bounds
 from omma.rendering.renderer import Renderer
 
-Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
 
 _MOST_FRAMES = 4096

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
+
 Whole = NDArray[np.int64]
 
 # Of panoramas: finer than any compound eye.

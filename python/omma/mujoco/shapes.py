@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.mujoco.models import (
     BOX,
     CAPSULE,
@@ -24,7 +26,6 @@ from omma.mujoco.models import (
     SPHERE,
 )
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 # Sides of what is round: its outline lies within by at most 1 - cos(pi / 96), 0.05 % of the radius.
@@ -142,7 +143,7 @@ def _field_normals(top: Floats) -> Floats:
     across = np.gradient(top, axis=1)
     along = np.gradient(top, axis=0)
     normals = np.cross(across, along).reshape(-1, 3)
-    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    return normalized(normals)
 
 
 def _mesh(model: Any, mesh: int) -> Shape:
@@ -169,7 +170,7 @@ def _mesh(model: Any, mesh: int) -> Shape:
 def _scaled(shape: Shape, half: Floats) -> Shape:
     normals = None if shape.normals is None else shape.normals / half
     if normals is not None:
-        normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = normalized(normals)
     return Shape(shape.positions * half, shape.triangles, normals, shape.local, shape.once)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of
-from omma.eye.neighbours import Floats, Ints
+from omma.base.arrays import Floats, Ints
 from omma.receptors.sensitivity import ommatidium_of_receptor, spectral_sensitivity
 
 #: A band by its number or a receptor by its name.

@@ -9,7 +9,6 @@ tangent planes meet where its cells do, and hold likewise.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.progress import Progress
 
 Floats32 = NDArray[np.float32]
 
@@ -59,7 +59,7 @@ def frames_of(
     positions: Floats32,
     normals: Floats32 | None,
     scanners: NDArray[np.float64] | None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Frames:
     """Frames of points none of which lies on another."""
     from scipy.spatial import cKDTree

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Eye, rgb_bands
+from omma.base.arrays import Flags
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import display
 from omma.picture.id_maps import paint
@@ -20,7 +21,6 @@ from omma.view.state import Seen
 Floats = NDArray[np.float32]
 Pixels = NDArray[np.uint8]
 Ids = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 #: What the page calls projections, and what `omma.picture.project` calls them.
 PROJECTIONS: dict[str, str | None] = {
