@@ -110,7 +110,7 @@ def hexagon_hue_deg(loci: ArrayLike) -> Floats:
     Raises:
         omma.Error: loci that are not finite or not two numbers.
     """
-    x, y = np.moveaxis(_points(loci, "loci", 2), -1, 0)
+    x, y = np.moveaxis(array_of(loci, "loci", (..., 2), finite=True), -1, 0)
     return np.asarray(np.degrees(np.arctan2(x, y)) % 360)
 
 
@@ -262,7 +262,3 @@ def _excited(value: ArrayLike, name: str) -> Floats:
     if not np.all(excited <= 1):
         raise Error(f"{name}: expected excitations from 0 to 1, found {np.max(excited):g}")
     return excited
-
-
-def _points(value: ArrayLike, name: str, axes: int) -> Floats:
-    return array_of(value, name, (..., axes), finite=True)

@@ -77,7 +77,8 @@ def resampling_matrix(
             here = np.array(some)
             weight = np.ones(len(here))
             if weights == "gaussian" and len(here) > 1:
-                apart = _angle(columns.axis[row], axes[members[here]])
+                beside = axes[members[here]] - columns.axis[row]
+                apart = angle_of_chord(np.linalg.norm(beside, axis=1))
                 exponent = -4 * math.log(2) * (apart / width) ** 2
                 weight = share[here] * np.exp(exponent - exponent.max())
             rows.append(np.full(len(here), row))
@@ -177,10 +178,6 @@ def _nearest(tree, axes: Floats) -> tuple[Floats, Ints]:  # type: ignore[no-unty
 
 def _chord(angle_rad: float) -> float:
     return 2 * math.sin(min(angle_rad, math.pi) / 2)
-
-
-def _angle(axis: Floats, others: Floats) -> Floats:
-    return angle_of_chord(np.linalg.norm(others - axis, axis=1))
 
 
 def _sparse(

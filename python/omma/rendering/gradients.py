@@ -87,7 +87,9 @@ class Jacobian:
         change = np.zeros(self.responses.shape)
         for name, tangent in tangents.items():
             value = self._value(name)
-            change += np.einsum(ALONG[name], value, _tangent(tangent, name, size[name]))
+            rows = size[name]
+            given = array_of(tangent, name, [rows, rows[1:]], finite=True)  # each row's, or one
+            change += np.einsum(ALONG[name], value, np.broadcast_to(given, rows))
         return change
 
     @checked
@@ -110,11 +112,6 @@ class Jacobian:
         if name not in self.values:
             raise Error(f"{name}: expected one of {', '.join(self.values)}")
         return self.values[name]
-
-
-def _tangent(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
-    """An array of that shape, or what stands for all of its rows."""
-    return np.broadcast_to(array_of(value, name, [shape, shape[1:]], finite=True), shape)
 
 
 @checked

@@ -7,6 +7,8 @@ made of. A row is `measured` (a number that the source prints, or computed from 
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections import Counter
 from dataclasses import dataclass
@@ -226,24 +228,13 @@ def _find(animal: str, quantity: str) -> Fact:
 
 
 def _csv(table: tuple[Fact, ...]) -> str:
-    lines = ["animal,quantity,value,unit,status,source,read,note"]
-    for fact in table:
-        cells = (
-            fact.animal,
-            fact.quantity,
-            f"{fact.value:g}",
-            fact.unit,
-            fact.status,
-            fact.source.citation,
-            fact.source.read,
-            fact.note,
-        )
-        lines.append(",".join(_quoted(cell) for cell in cells))
-    return "\n".join(lines) + "\n"
-
-
-def _quoted(cell: str) -> str:
-    return '"' + cell.replace('"', '""') + '"' if any(c in cell for c in ',"\n') else cell
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["animal", "quantity", "value", "unit", "status", "source", "read", "note"])
+    for one in table:
+        said = one.source.citation, one.source.read, one.note
+        writer.writerow([one.animal, one.quantity, f"{one.value:g}", one.unit, one.status, *said])
+    return text.getvalue()
 
 
 def _markdown(table: tuple[Fact, ...], with_animal: bool) -> str:

@@ -7,7 +7,6 @@ no browser.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -229,13 +228,3 @@ class Looker:
     def duration_s(self) -> float:
         """Of the longest of the scene's animations; 0 where there is none."""
         return max((one.duration_s for one in self.world.scene.animations), default=0.0)
-
-
-def refined(
-    looker: Looker, look: Look, most: int = _FINEST, stages: Sequence[Seen] = ()
-) -> list[Seen]:
-    """All frames of what holds still, from the first to that of ``most`` samples."""
-    found = list(stages) or [looker.see(look)]
-    while (after := finer(found[-1])) is not None and after[0] <= most:
-        found.append(looker.see(look, *after))
-    return found
