@@ -518,25 +518,29 @@ def test_progress_bar_in_a_terminal(files, tmp_path):
     assert any("Rendering" not in text for text in seen)
 
 
+RENDERED = "render scene.gltf --eye bug.eye --samples 1 -o {0}/a.npy"
+NO_SPACE = "omma: error: system: No space left on device\n"
+
+
+# Each command writes in its own way; what is missing is seen to once for all, before any of them.
 @pytest.mark.parametrize(
-    "arguments",
+    ("arguments", "redirected", "code", "says"),
     [
-        "render scene.gltf --eye bug.eye --samples 1 -o {0}/a.npy",
-        "info scene.gltf",
-        "eye info bug.eye",
-        "eye species honeybee_worker",
-        "eye acceptance bug.eye --degrees 3 -o {0}/a.csv",
-        "--help",
-    ],
-)
-@pytest.mark.parametrize(
-    ("redirected", "code", "says"),
-    [
-        ("| head -0", None, ""),  # whoever reads has enough
-        (">&-", 0, ""),
-        ("2>&-", 0, None),
-        ("<&- >&- 2>&-", 0, ""),
-        (">/dev/full", 1, "omma: error: system: No space left on device\n"),
+        (RENDERED, "| head -0", None, ""),  # whoever reads has enough
+        (RENDERED, "2>&-", 0, None),
+        (RENDERED, "<&- >&- 2>&-", 0, ""),
+        *(
+            (arguments, redirected, code, says)
+            for arguments in (
+                RENDERED,
+                "info scene.gltf",
+                "eye info bug.eye",
+                "eye species honeybee_worker",
+                "eye acceptance bug.eye --degrees 3 -o {0}/a.csv",
+                "--help",
+            )
+            for redirected, code, says in ((">&-", 0, ""), (">/dev/full", 1, NO_SPACE))
+        ),
     ],
 )
 def test_output_that_goes_nowhere(files, tmp_path, arguments, redirected, code, says):
