@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from omma.base.arrays import Floats
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.mujoco.models import (
     BOX,
@@ -25,8 +24,6 @@ from omma.mujoco.models import (
     SDF,
     SPHERE,
 )
-
-Whole = NDArray[np.int64]
 
 # Sides of what is round: its outline lies within by at most 1 - cos(pi / 96), 0.05 % of the radius.
 _SLICES = 96
@@ -49,7 +46,7 @@ class Shape:
     """
 
     positions: Floats
-    triangles: Whole
+    triangles: Ints
     normals: Floats | None
     local: Floats
     once: Floats | None = None
@@ -251,7 +248,7 @@ def _ring() -> Floats:
     return np.stack([np.cos(angle), np.sin(angle), np.zeros(_SLICES + 1)], -1)
 
 
-def _grid(rows: int) -> Whole:
+def _grid(rows: int) -> Ints:
     """Triangles between ``rows + 1`` rings, listed from the lowest."""
     row, column = np.divmod(np.arange(rows * _SLICES), _SLICES)
     lower = row * (_SLICES + 1) + column

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats32
 from omma.base.progress import Progress
-
-Floats32 = NDArray[np.float32]
 
 # Neighbours of each point: a Voronoi cell of random points has 6 sides on average, more than 10 in
 # 2 of 100. Beside a gap, where a cell is open or reaches this share of the way to the last

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Instance, Material, Mesh, Scene
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats32
 from omma.base.progress import Progress, share_of
 from omma.base.warn import warn_caller
 from omma.scene.materials import natural_material
@@ -23,8 +24,6 @@ from omma.scene.point_files import open_points
 from omma.scene.points import PointCloud, Sieve, read_points
 from omma.scene.surfel_cells import fitting_voxel_m, in_cells
 from omma.scene.surfel_frames import Frames, distinct, frames_of, tangents
-
-Floats32 = NDArray[np.float32]
 
 # How much larger a disc is than what would just cover a flat surface. Normals found from
 # neighbours are off by some degrees where a surface bends or measurements scatter.
