@@ -198,6 +198,13 @@ def run_omma(monkeypatch, capsys):
 
 
 @pytest.fixture
+def omma_command(files, monkeypatch, run_omma):
+    """Runs ``omma ARGUMENTS`` in the directory of the test files: exit code, stdout, stderr."""
+    monkeypatch.chdir(files)
+    return run_omma
+
+
+@pytest.fixture
 def fresh(tmp_path):
     """CompoundRay's library under its old name, as a new process finds it."""
     from compoundray_lib import fresh_library
