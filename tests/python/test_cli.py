@@ -182,10 +182,6 @@ def test_warnings_go_to_stderr(omma_command, tmp_path):
 
 def test_version_and_help(omma_command):
     assert omma_command("--version") == (0, f"omma {omma.__version__}\n", "")
-    code, out, _ = omma_command("render", "--help")
-    assert code == 0
-    for words in ("Examples", "omma render meadow.glb --eye honeybee.eye", "--look-at", "yaw_deg"):
-        assert words in out
     code, out, _ = omma_command("info", "-h")
     assert code == 0
     assert "omma info honeybee.eye" in out

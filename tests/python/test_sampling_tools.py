@@ -435,10 +435,3 @@ def test_aliasing_command(omma_command, tmp_path):
     assert "CompoundRay" in out
     rows = read_csv(path)
     assert [row["rays_per_ommatidium"] for row in rows] == 2 * ["1", "2", "4", "8"]
-
-
-def test_measure_help_has_examples(omma_command):
-    for command in ("min-samples", "variance-map", "aliasing", "speed"):
-        code, out, _ = omma_command("measure", command, "--help")
-        assert code == 0
-        assert "Examples" in out
