@@ -27,6 +27,11 @@ def pick(rows: list[Row], **wanted: object) -> list[Row]:
     return [row for row in rows if all(row[key] == str(v) for key, v in wanted.items())]
 
 
+def scenes_of(rows: list[Row]) -> list[str]:
+    """The scenes of a table, in its order."""
+    return list(dict.fromkeys(row["scene"] for row in rows))
+
+
 @dataclass(frozen=True)
 class Reached:
     """What it takes to reach an error: rays per ommatidium, milliseconds per frame, and how."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import omma
+from omma.base.srgb import linear_of_srgb
 from omma.light import Bands, Light
 from omma.scene import Image, Material, Mesh
 
@@ -120,8 +121,7 @@ def linear_pixels(pixels: NDArray[Any]) -> NDArray[np.float32]:
     """Linear light of pixels as an `omma.scene.Image` has them: 8 bits are sRGB."""
     if pixels.dtype != np.uint8:
         return pixels.astype(np.float32)
-    encoded = pixels.astype(np.float32) / 255
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    return linear_of_srgb(pixels.astype(np.float32) / 255)
 
 
 def _diffuse(material: Material) -> Material:

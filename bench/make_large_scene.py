@@ -19,7 +19,6 @@ import io
 import json
 import math
 import struct
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -56,19 +55,9 @@ def checkerboard_png(size: int = 256) -> bytes:
     y, x = np.indices((size, size))
     value = ((x // 32 + y // 32) % 2) * 120 + 60 + (x ^ y) % 32
     rgb = np.stack([value, value, np.full_like(value, 90)], axis=-1).astype(np.uint8)
-    rows = b"".join(b"\0" + row.tobytes() for row in rgb)
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        size, sum32 = struct.pack(">I", len(data)), struct.pack(">I", zlib.crc32(kind + data))
-        return size + kind + data + sum32
-
-    header = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", header)
-        + chunk(b"IDAT", zlib.compress(rows))
-        + chunk(b"IEND", b"")
-    )
+    file = io.BytesIO()
+    Image.fromarray(rgb).save(file, "PNG")
+    return file.getvalue()
 
 
 def photograph(pixels: int, seed: int) -> NDArray[np.uint8]:

@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 
 from curves import Row, pick
+from report_text import number
 
 # Errors in percent at which times are compared.
 AT_PERCENT = (30.0, 10.0, 3.0)
@@ -48,11 +49,6 @@ def ms_to(rows: list[Row], error: float) -> float | None:
             t = math.log(before / error) / math.log(before / after)
             return ms * (later_ms / ms) ** t
     return points[0][0]
-
-
-def number(value: float) -> str:
-    """Three digits, more before the point."""
-    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
 def times_table(rows: list[Row]) -> list[list[object]]:

@@ -3,7 +3,7 @@ light.py, baked_error.py and light_to_error.py print them."""
 
 from __future__ import annotations
 
-from curves import Row, pick
+from curves import Row, pick, scenes_of
 from report_text import table, text
 
 PEERS = ("llvm_ad_rgb", "llvm_ad_spectral")
@@ -23,11 +23,6 @@ PARTS = (
     ("Stokes vectors in direct light", "direct light, polarised", "direct light"),
     ("Stokes vectors of paths", "paths, polarised", "paths"),
 )
-
-
-def scenes_of(rows: list[Row]) -> list[str]:
-    """The scenes of a table, in its order."""
-    return list(dict.fromkeys(row["scene"] for row in rows))
 
 
 def nanoseconds(rows: list[Row], way: str) -> float:

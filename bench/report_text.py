@@ -12,6 +12,11 @@ def table(head: str, rows: list[list[object]]) -> list[str]:
     return [*lines, *(f"| {' | '.join(str(cell) for cell in row)} |" for row in rows), ""]
 
 
+def number(value: float) -> str:
+    """Three digits that count."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
 def text(*sentences: str) -> list[str]:
     """A paragraph."""
     return [*textwrap.wrap(" ".join(sentences), 98, break_on_hyphens=False), ""]

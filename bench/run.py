@@ -32,9 +32,13 @@ import make_performance_figures  # noqa: E402
 import report  # noqa: E402
 from make_large_scene import write_scene  # noqa: E402
 
+# Parts that are programs in Python, and whether they take the folder of CompoundRay's data.
+SCRIPTS = {"light": ("light.py", True), "cameras": ("many_cameras.py", False),
+           "motion": ("motion.py", False), "datasets": ("datasets.py", False),
+           "baked": ("baked.py", False), "baked_error": ("baked_error.py", False),
+           "light_to_error": ("light_to_error.py", True), "gpu": ("gpu.py", True)}  # fmt: skip
 PARTS = ("ceiling", "error", "frames", "latency", "threads", "kernels", "build", "moving",
-         "search", "worlds", "instructions", "light", "cameras",
-         "motion", "datasets", "baked", "baked_error", "light_to_error", "gpu")  # fmt: skip
+         "search", "worlds", "instructions", *SCRIPTS)  # fmt: skip
 COUNTED = ("1", "16", "16-plain", "16-random", "16-shared", "target")
 
 
@@ -177,25 +181,10 @@ def main() -> None:
             lines = measure_latency(given.program, quick)
         elif part == "build":
             lines = measure_build(given.program, quick)
-        elif part == "light":
-            data = [DATA] if DATA.exists() else []
-            lines = printed_table([sys.executable, BENCH / "light.py", *data, *quick])
-        elif part == "cameras":
-            lines = printed_table([sys.executable, BENCH / "many_cameras.py", *quick])
-        elif part == "motion":
-            lines = printed_table([sys.executable, BENCH / "motion.py", *quick])
-        elif part == "baked":
-            lines = printed_table([sys.executable, BENCH / "baked.py", *quick])
-        elif part == "baked_error":
-            lines = printed_table([sys.executable, BENCH / "baked_error.py", *quick])
-        elif part == "gpu":
-            data = [DATA] if DATA.exists() else []
-            lines = printed_table([sys.executable, BENCH / "gpu.py", *data, *quick])
-        elif part == "light_to_error":
-            data = [DATA] if DATA.exists() else []
-            lines = printed_table([sys.executable, BENCH / "light_to_error.py", *data, *quick])
-        elif part == "datasets":
-            lines = printed_table([sys.executable, BENCH / "datasets.py", *quick])
+        elif part in SCRIPTS:
+            name, takes_data = SCRIPTS[part]
+            data = [DATA] if takes_data and DATA.exists() else []
+            lines = printed_table([sys.executable, BENCH / name, *data, *quick])
         elif part == "instructions":
             lines = measure_instructions(given.program)
         else:

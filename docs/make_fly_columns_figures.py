@@ -15,6 +15,7 @@ import matplotlib
 import numpy as np
 
 import omma
+from omma.picture.map_projections import project_directions
 
 matplotlib.use("Agg")
 ROOT = Path(__file__).resolve().parents[1]
@@ -47,14 +48,7 @@ def mean_angles_deg(columns):
 
 def mollweide(axis):
     """Mollweide's map (K, 2), ahead in the middle, the right on the right; 90° is 1 wide."""
-    azimuth, elevation = np.radians(omma.eye.azimuth_elevation_deg_of(axis))
-    theta = elevation.copy()
-    for _ in range(60):  # Newton's method, from where it converges
-        slope = 2 + 2 * np.cos(2 * theta)
-        theta -= (2 * theta + np.sin(2 * theta) - np.pi * np.sin(elevation)) / np.maximum(
-            slope, 1e-9
-        )
-    return np.stack([2 / np.pi * azimuth * np.cos(theta), np.sin(theta)], axis=1)
+    return project_directions(axis, "mollweide") / np.sqrt(2)
 
 
 def draw_grid(panel):

@@ -19,7 +19,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
 
 from curves import Row, pick, random_error, read  # noqa: E402
-from report import BEE_FRAMES_PER_S, BEE_RAYS, FOUR_SCENES, equal_error, published  # noqa: E402
+from report import FOUR_SCENES  # noqa: E402
+from report_speed import BEE_FRAMES_PER_S, BEE_RAYS, equal_error, published  # noqa: E402
 
 # Okabe and Ito's colours, which colour-blind people tell apart; each with a marker of its own.
 STYLES = {

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
 import omma
-from omma.eye.superposition import TRAPEZOID
+from omma.eye.trapezoid import TRAPEZOID
 
 FOLDER = Path(__file__).resolve().parent
 RECEPTORS = {"ultraviolet": "#7b3fa0", "blue": "#2166ac", "green": "#4d9221"}

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from PIL import Image
 
-from . import land
+from . import land, shapes
 from .glb import Mesh, append
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB
@@ -26,8 +26,7 @@ def picture_mean(data, columns=(0, 1)):
     pixels = np.asarray(Image.open(io.BytesIO(data)).convert("RGBA")) / 255
     width = pixels.shape[1]
     pixels = pixels[:, int(columns[0] * width) : int(columns[1] * width)]
-    value = pixels[pixels[..., 3] >= 0.5][:, :3]
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).mean(axis=0)
+    return shapes.linear_of(pixels[pixels[..., 3] >= 0.5][:, :3]).mean(axis=0)
 
 
 def spectrum(wavelength_nm, values):

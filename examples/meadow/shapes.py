@@ -12,7 +12,11 @@ SUN = np.array([-0.62, 0.66, 0.42]) / np.linalg.norm([-0.62, 0.66, 0.42])
 
 def linear(*srgb):
     """Linear light of a display colour given as 0 to 255 in each of r, g, b (sRGB)."""
-    value = np.asarray(srgb, float) / 255
+    return linear_of(np.asarray(srgb, float) / 255)
+
+
+def linear_of(value):
+    """Linear light of sRGB values from 0 to 1."""
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 

@@ -1,8 +1,10 @@
 """Small scenes and eyes that the tests make themselves."""
 
 import base64
+import importlib.util
 import json
 import os
+import re
 import signal
 import sys
 import tempfile
@@ -27,6 +29,20 @@ _cache = tempfile.TemporaryDirectory(prefix="omma-cache-")
 os.environ["OMMA_CACHE"] = _cache.name
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+def load_script(path):
+    """A script as the module that it is for who imports it."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module  # dataclasses look there
+    spec.loader.exec_module(module)
+    return module
+
+
+def svg_texts(path):
+    """The words in an SVG are outlines; what they say is in comments."""
+    return re.findall(r"<!-- (.*?) -->", path.read_text())
 
 
 def write_gltf(path, *, cameras=(), scene_extras=None, triangles=True, **changes):
@@ -106,6 +122,12 @@ def new_session():
     _told.clear()
 
 
+@pytest.fixture
+def coarse_maps(monkeypatch):
+    """Maps of few pixels: quicker, and as good for what is tested with them."""
+    monkeypatch.setattr("omma.picture.eye_maps._PIXELS", 200)
+
+
 @pytest.fixture(scope="session")
 def files(tmp_path_factory):
     """A directory with scene.gltf (ground, sky, two cameras), bug.eye (60) and left/right.eye;
@@ -173,6 +195,13 @@ def run_omma(monkeypatch, capsys):
         return ended.value.code, out, err
 
     return run
+
+
+@pytest.fixture
+def omma_command(files, monkeypatch, run_omma):
+    """Runs ``omma ARGUMENTS`` in the directory of the test files: exit code, stdout, stderr."""
+    monkeypatch.chdir(files)
+    return run_omma
 
 
 @pytest.fixture

@@ -42,10 +42,17 @@ def test_a_map(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "expected the columns angle_deg, sensitivity or right_deg, up_deg, sensitivity"),
-        ("angle,sensitivity\n0,1\n", "found angle, sensitivity"),
-        ("angle_deg,sensitivity\n", "at least one line of numbers"),
-        ("angle_deg,sensitivity\n0,1\n1,x\n", r"measured.csv, line 3: expected 2 numbers"),
+        ("", "measured.csv: holds no sensitivity"),
+        (
+            "angle,sensitivity\n0,1\n",
+            "line 1: expected a header line angle_deg,sensitivity or right_deg,up_deg,sensitivity, "
+            "found 'angle,sensitivity'",
+        ),
+        ("angle_deg,sensitivity\n", "measured.csv: holds no sensitivity"),
+        (
+            "angle_deg,sensitivity\n0,1\n1,x\n",
+            r"measured.csv, line 3, column sensitivity: expected a finite number, found 'x'",
+        ),
         ("angle_deg,sensitivity\n0,1\n", r"measured.csv: .*at least"),
         ("angle_deg,sensitivity\n0,1\n0,1\n", r"measured.csv: .*more than the entry before"),
         ("angle_deg,sensitivity\n0,1\n1,-1\n", r"measured.csv: .*sensitivit"),

@@ -1,6 +1,5 @@
 """The worked examples of acuity and light: their numbers, from the scripts' own functions."""
 
-import importlib.util
 import math
 import subprocess
 import sys
@@ -9,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 
 import omma
 from omma.species.facts import number
@@ -18,10 +18,7 @@ animal = cache(omma.species.make)
 
 
 def load(name):
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_script(EXAMPLES / f"{name}.py")
 
 
 def test_acuity_map_is_the_formula():

@@ -1,10 +1,10 @@
 """The acute zone that is learned in examples/python: its theory, its gradients, where it goes."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 
 import omma
 
@@ -13,10 +13,7 @@ SCRIPT = Path(__file__).resolve().parents[2] / "examples/python/acute_zone.py"
 
 @pytest.fixture(scope="module")
 def example():
-    spec = importlib.util.spec_from_file_location("acute_zone", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_script(SCRIPT)
 
 
 def row_of(density, ratio, count=400):

@@ -8,7 +8,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 
 from curves import crossing, least, pick, random_error
-from report import cameras, motion, report, serial_fraction
+from report import cameras, motion, report
 from report_cameras import front, ms_to, times_table
 from report_light import (
     PARTS,
@@ -21,6 +21,7 @@ from report_light import (
     part_costs,
     to_error_table,
 )
+from report_speed import serial_fraction
 from run import write_lines
 
 

@@ -376,17 +376,6 @@ def test_info_lists_cameras_with_their_type(omma_command):
         assert text in out
 
 
-def test_help_shows_how(omma_command):
-    for command, words in (
-        ("render", ("--camera 2 --width 1920", "mollweide")),
-        ("render-cameras", ("arena.gltf -o pictures/", "mollweide")),
-    ):
-        code, out, _ = omma_command(command, "--help")
-        assert code == 0
-        for word in words:
-            assert word in out
-
-
 def test_file_names_are_safe_and_unlike():
     names = ["a", "A", "a", "../../x", "b/c d", "", "..", "é", "a_2", "x" * 500]
     found = file_names(names)

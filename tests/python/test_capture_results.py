@@ -8,7 +8,7 @@ import pytest
 from capture_files import write_colmap_binary, write_transforms
 from conftest import make_eye, write_gltf
 from dataset_jobs import write_job
-from test_splat_files import some_splats
+from splat_files import some_splats
 
 import omma
 from omma.job.again import render_like

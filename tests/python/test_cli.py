@@ -1,28 +1,14 @@
 """The command line: what it writes and prints, and one clear line for everything that is wrong."""
 
 import csv
-import os
-import pty
 import re
-import select
-import shutil
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pytest
-from conftest import make_eye, write_gltf
+from conftest import write_gltf
 from PIL import Image
 
 import omma
-
-
-@pytest.fixture
-def omma_command(files, monkeypatch, run_omma):
-    """Runs ``omma ARGUMENTS`` in the directory of the test files: exit code, stdout, stderr."""
-    monkeypatch.chdir(files)
-    return run_omma
 
 
 @pytest.fixture
@@ -180,71 +166,6 @@ def test_two_eyes_side_by_side(omma_command, files, tmp_path):
     np.testing.assert_array_equal(a, b)
 
 
-def test_info_of_a_scene(omma_command):
-    code, out, err = omma_command("info", "scene.gltf")
-    assert (code, err) == (0, "")
-    for what, words in [
-        ("nodes", "3"),
-        ("triangles", "2"),
-        ("meshes", "1 in 1 instances"),
-        ("textures", "0"),
-        ("bounds", "(-10, 0, -10) to (10, 0, 10) m"),
-        ("background", "simple sky"),
-        ("camera", "0 plain: perspective at (0, 1, 0) m"),
-        ("camera", "1 insect: compound at (1, 2, 3) m, scale 0.5, eye bug.eye"),
-    ]:
-        assert re.search(f"^{what} +{re.escape(words)}", out, re.MULTILINE)
-
-
-def test_info_of_an_eye(omma_command, tmp_path):
-    # A row of axes each 3 degrees from -30 to 30 and from straight behind to the right.
-    azimuth = np.radians(np.arange(-30, 31, 3))
-    axis = np.stack([np.sin(azimuth), 0 * azimuth, -np.cos(azimuth)], axis=1)
-    acceptance = np.radians(np.linspace(1, 3, 21))
-    omma.save_eye(tmp_path / "row.eye", omma.Eye(axis * 1e-3, axis, acceptance))
-    code, out, err = omma_command("info", tmp_path / "row.eye")
-    assert (code, err) == (0, "")
-    assert re.search(r"^ommatidia +21$", out, re.MULTILINE)
-    assert re.search(r"^azimuth +-30\.0° to 30\.0°", out, re.MULTILINE)
-    assert re.search(r"^elevation +0\.0° to 0\.0°", out, re.MULTILINE)
-    assert not re.search(r"^(acceptance|interommatidial|field) ", out, re.MULTILINE)  # eye info
-    assert re.search(r"^more +omma eye info \S*row.eye", out, re.MULTILINE)
-
-
-def test_info_of_an_eye_with_receptors_and_columns(omma_command, tmp_path):
-    eye = omma.receptors.assign_receptors(make_eye(), omma.receptors.honeybee_ommatidia())
-    omma.save_eye(tmp_path / "bee.csv", eye.replace(columns={"age_days": np.zeros(60)}))
-    code, out, _ = omma_command("info", tmp_path / "bee.csv")
-    assert code == 0
-    assert re.search(r"^receptors +[\d,]+ of .", out, re.MULTILINE)
-    assert re.search(r"^columns +age_days$", out, re.MULTILINE)
-
-
-def test_azimuth_range_goes_the_short_way_round():
-    from omma.job.info import azimuth_range_deg
-
-    assert azimuth_range_deg(np.array([170.0, -170, 180])) == (170, 190)
-    assert azimuth_range_deg(np.array([-170.0, -100, 175])) == (-185, -100)
-    assert azimuth_range_deg(np.array([])) == (0, 0)
-
-
-@pytest.mark.parametrize(
-    ("azimuth", "says"),
-    [
-        (np.arange(100, 261, 5), "100.0° to -100.0° through straight behind, right is +"),
-        (np.arange(0, 360, 5), "all round"),
-        (np.arange(-73, 40, 1), "-73.0° to 39.0°, right is +"),
-    ],
-)
-def test_azimuths_are_told_from_180_to_180(azimuth, says):
-    turn = np.radians(azimuth.astype(float))
-    axis = np.stack([np.sin(turn), 0 * turn, -np.cos(turn)], axis=1)
-    eye = omma.Eye(axis * 1e-3, axis, np.full(len(turn), 0.1))
-    from omma.job.info import describe_eye
-
-    assert dict(describe_eye(eye))["azimuth"].startswith(says)
-
-
 def test_warnings_go_to_stderr(omma_command, tmp_path):
     odd = {"name": "ground", "mesh": 0, "extensions": {"EXT_something_odd": {}}}
     write_gltf(tmp_path / "odd.gltf", extensionsUsed=["EXT_something_odd"], nodes=[odd])
@@ -261,10 +182,6 @@ def test_warnings_go_to_stderr(omma_command, tmp_path):
 
 def test_version_and_help(omma_command):
     assert omma_command("--version") == (0, f"omma {omma.__version__}\n", "")
-    code, out, _ = omma_command("render", "--help")
-    assert code == 0
-    for words in ("Examples", "omma render meadow.glb --eye honeybee.eye", "--look-at", "yaw_deg"):
-        assert words in out
     code, out, _ = omma_command("info", "-h")
     assert code == 0
     assert "omma info honeybee.eye" in out
@@ -453,119 +370,3 @@ def test_broken_eyes(omma_command, tmp_path, text, words):
         assert (code, out) == (1, "")
         assert "bad.eye" + words in err
         assert err.count("\n") == 1
-
-
-def test_no_traceback_from_the_installed_command(tmp_path):
-    command = shutil.which("omma", path=os.path.dirname(sys.executable))
-    if command is None:
-        pytest.skip("the command omma is not installed beside this Python")
-    done = subprocess.run([command, "info", "no.eye"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 1
-    assert done.stdout == ""
-    assert done.stderr == "omma: error: no.eye: there is no such file\n"
-
-
-def test_a_closed_pipe_is_no_traceback(files):
-    done = subprocess.run(
-        f"{sys.executable} -m omma info {files / 'scene.gltf'} | true",
-        shell=True,
-        capture_output=True,
-        text=True,
-    )
-    assert done.stderr == ""
-
-
-def run_in_terminal(arguments, enough):
-    """Everything that a program writes to its terminal until it ends or ``enough`` says so."""
-    try:
-        pid, terminal = pty.fork()
-    except OSError as error:
-        pytest.skip(f"no terminal to be had: {error}")
-    if pid == 0:
-        os.execv(sys.executable, [sys.executable, "-m", "omma", *map(str, arguments)])
-    seen, deadline = "", time.perf_counter() + 20
-    try:
-        while time.perf_counter() < deadline and not enough(seen):
-            if not select.select([terminal], [], [], 0.1)[0]:
-                continue
-            try:
-                data = os.read(terminal, 65536)
-            except OSError:  # the other side is closed
-                break
-            if not data:
-                break
-            seen += data.decode(errors="replace")
-    finally:
-        os.kill(pid, 9)
-        os.waitpid(pid, 0)
-        os.close(terminal)
-    return seen
-
-
-def test_progress_bar_in_a_terminal(files, tmp_path):
-    omma.save_eye(tmp_path / "big.eye", make_eye(3000))
-    path = tmp_path / "long.csv"
-    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "0,1,0,0,0,0\n" * 1000)
-    arguments = ["render", files / "scene.gltf", "--eye", tmp_path / "big.eye", "--path", path]
-    long = [*arguments, "--samples", 5000, "-o", tmp_path / "a.npy"]
-    seen = run_in_terminal(long, lambda text: re.search(r"Rendering.*\d %", text, re.DOTALL))
-    assert re.search(r"Rendering.*\d %", seen, re.DOTALL)
-    # None on what is quick, and none without a terminal: test_three_outputs_of_one_render.
-    quick = ["render", files / "scene.gltf", "--eye", files / "bug.eye", "-o", tmp_path / "b.npy"]
-    # On a machine with other work what is quick may take a second, now and then.
-    seen = [run_in_terminal(quick, lambda text: False) for _ in range(3)]
-    assert all("wrote" in text for text in seen)
-    assert any("Rendering" not in text for text in seen)
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        "render scene.gltf --eye bug.eye --samples 1 -o {0}/a.npy",
-        "info scene.gltf",
-        "eye info bug.eye",
-        "eye species honeybee_worker",
-        "eye acceptance bug.eye --degrees 3 -o {0}/a.csv",
-        "--help",
-    ],
-)
-@pytest.mark.parametrize(
-    ("redirected", "code", "says"),
-    [
-        ("| head -0", None, ""),  # whoever reads has enough
-        (">&-", 0, ""),
-        ("2>&-", 0, None),
-        ("<&- >&- 2>&-", 0, ""),
-        (">/dev/full", 1, "omma: error: system: No space left on device\n"),
-    ],
-)
-def test_output_that_goes_nowhere(files, tmp_path, arguments, redirected, code, says):
-    command = f"'{sys.executable}' -m omma {arguments.format(tmp_path)} {redirected}"
-    done = subprocess.run(["bash", "-c", command], cwd=files, capture_output=True, text=True)
-    assert "Traceback" not in done.stderr
-    assert code in (None, done.returncode)
-    assert says in (None, done.stderr)
-    assert (done.stdout == "") == (redirected != "2>&-")
-    if "-o" in arguments:  # and what was asked for is there
-        assert (tmp_path / arguments.split("{0}/")[1]).stat().st_size > 100
-
-
-def test_a_closed_stream_is_not_written_into_a_file(files, tmp_path):
-    """What the first file opened would get is the number of the stream that is missing."""
-    command = (
-        f"'{sys.executable}' -m omma render scene.gltf --eye bug.eye --samples 1 "
-        f"-o {tmp_path}/a.csv -o {tmp_path}/b.csv >&- 2>&-"
-    )
-    subprocess.run(["bash", "-c", command], cwd=files, check=True)
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-
-
-def test_names_that_are_no_utf8_in_the_command_line(files, tmp_path):
-    name = os.fsencode(tmp_path) + b"/K\xe4fer\n\x1b[31m"
-    command = [sys.executable, "-m", "omma", "eye", "acceptance", "bug.eye", "--degrees", "3", "-o"]
-    done = subprocess.run([*command, name + b".csv"], cwd=files, capture_output=True, check=True)
-    assert os.listdir(os.fsencode(tmp_path)) == [b"K\xe4fer\n\x1b[31m.csv"]
-    assert done.stdout.startswith(b"wrote ")
-    done = subprocess.run([*command, name + b"/a.csv"], cwd=files, capture_output=True)
-    assert done.returncode == 1
-    assert rb"K\xe4fer\n\x1b[31m/a.csv: cannot be written" in done.stderr

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from conftest import svg_texts
 
 import omma
 from omma import colour_vision as cv
@@ -49,7 +50,7 @@ def test_hexagon(tmp_path, drawn):
     assert corners["green"] == pytest.approx(right)
     assert corners["UV"] == pytest.approx([-math.sqrt(3) / 2, -0.5])
     assert corners["UV-green"] == pytest.approx([0, -1])
-    said = re.findall(r"<!-- (.*?) -->", (tmp_path / "a.svg").read_text())
+    said = svg_texts(tmp_path / "a.svg")
     assert {"Colour hexagon", "petal", "leaf", "blue", "UV-blue"} <= set(said)
 
 

@@ -1,11 +1,11 @@
 """The worked example of a closed loop: flow tells a fly in a corridor which wall is near, and a
 rule by it comes further than none."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 
 pytest.importorskip("gymnasium", reason="needs Gymnasium: pip install 'omma[gym]'")
 
@@ -14,9 +14,7 @@ SCRIPT = Path(__file__).resolve().parents[2] / "examples" / "python" / "corridor
 
 @pytest.fixture(scope="module")
 def example():
-    spec = importlib.util.spec_from_file_location("corridor", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = load_script(SCRIPT)
     module.LENGTH_M, module.STEPS = 1.2, 140
     return module
 

@@ -10,6 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
+from conftest import svg_texts
 from dataset_jobs import bytes_of, rendered, write_job
 
 import omma
@@ -281,7 +282,7 @@ def test_a_lit_world_by_the_time_of_day(tmp_path):
     low, noon = (float(some.mean()) for some in (data.response[:2], data.response[2:]))
     assert noon > 2 * low > 0
     datasets.contact_sheet(tmp_path / "sheet.svg", tmp_path / "job.zarr", 3)
-    said = re.findall(r"<!-- (.*?) -->", (tmp_path / "sheet.svg").read_text())
+    said = svg_texts(tmp_path / "sheet.svg")
     assert any("Hatched: no ommatidium looks there" in words for words in said)
     assert any(re.fullmatch(r"view \d: ground, noon", words) for words in said), said
 

@@ -326,7 +326,7 @@ def test_what_is_never_and_what_is_always_told():
         ),
         (
             lambda: SceneTarget(omma.Scene(), omma.Scene(), 1, (0, 0, np.inf)),
-            "center_m: expected three finite numbers",
+            "center_m: expected finite numbers",
         ),
         (lambda: Observer(by="sound"), "by: expected one of photons, achromatic, colour"),
         (lambda: Observer(criterion=0), "criterion: expected a number above 0"),

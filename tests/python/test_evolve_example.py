@@ -1,10 +1,10 @@
 """The eye that evolves in examples/python: what it is scored by, and where it ends."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 
 import omma
 
@@ -13,10 +13,7 @@ SCRIPT = Path(__file__).resolve().parents[2] / "examples/python/evolve_eye.py"
 
 @pytest.fixture(scope="module")
 def example():
-    spec = importlib.util.spec_from_file_location("evolve_eye", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_script(SCRIPT)
 
 
 def of_a_lens(x):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import omma
+from omma.eye.field import sphere_directions
 
 
 def six_neighbours(points):
@@ -15,14 +16,6 @@ def six_neighbours(points):
 
 def scatter(values):
     return values.std() / values.mean()
-
-
-def fibonacci(count):
-    index = np.arange(count) + 0.5
-    z = 1 - 2 * index / count
-    angle = np.pi * (1 + 5**0.5) * index
-    level = np.sqrt(1 - z * z)
-    return np.stack([level * np.cos(angle), level * np.sin(angle), z], axis=1)
 
 
 def voronoi_sides(points):
@@ -90,7 +83,7 @@ def test_evener_than_random_and_fibonacci(even):
     random /= np.linalg.norm(random, axis=1, keepdims=True)
     ours, lattice, chance = (
         scatter(six_neighbours(points)[1])
-        for points in (even.axis.astype(float), fibonacci(500), random)
+        for points in (even.axis.astype(float), sphere_directions(500), random)
     )
     # Measured: 0.08, 0.14, 0.38. A perfect hexagonal lattice does not fit on a sphere.
     assert ours < 0.75 * lattice
@@ -197,7 +190,7 @@ def test_ellipsoid_even_over_its_surface(semi_axes):
     _, distance = six_neighbours(position)
     assert scatter(distance) < 0.09  # as on a sphere; a stretched sphere has 0.2 and more
     # The area between two heights, by quadrature over the sphere it is a stretch of.
-    sphere = fibonacci(200_000)
+    sphere = sphere_directions(200_000)
     area = np.linalg.norm(sphere / a, axis=1)
     for height in (-0.7, -0.3, 0.2, 0.6):
         expected = 800 * area[sphere[:, 1] < height].sum() / area.sum()

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import omma
+from omma.eye.field import sphere_directions
 
 D = np.radians
 AHEAD = np.array([0.0, 0.0, -1.0])
@@ -105,18 +106,10 @@ def test_the_numbers_asked_for(lattices, name):
         assert seen(lattice.directions).all()
 
 
-def fibonacci(count):
-    index = np.arange(count) + 0.5
-    z = 1 - 2 * index / count
-    angle = np.pi * (1 + 5**0.5) * index
-    level = np.sqrt(1 - z * z)
-    return np.stack([level * np.cos(angle), level * np.sin(angle), z], axis=1)
-
-
 @pytest.mark.parametrize("name", ["streak", "honeybee", "three times as far horizontally"])
 def test_without_a_count_it_is_the_integral_of_the_density(lattices, name):
     lattice, across, up, seen = lattices(name)
-    around = fibonacci(400_000)
+    around = sphere_directions(400_000)
     around = around[seen(around)]
     expected = np.sum(2 / np.sqrt(3) / (across(around) * up(around))) * 4 * np.pi / 400_000
     assert len(lattice.directions) == pytest.approx(expected, rel=0.01)
@@ -280,11 +273,11 @@ def test_tables_from_files(tmp_path):
     ("text", "words"),
     [
         (None, ["there is no such file"]),
-        ("", ["columns", "none"]),
-        ("azimuth,elevation\n1,2\n", ["azimuth_deg", "azimuth, elevation"]),
-        ("azimuth_deg,elevation_deg,dphi_h_deg\n", ["at least one line"]),
-        ("azimuth_deg,elevation_deg,dphi_h_deg\n1,2\n", ["line 2", "3 numbers", "1,2"]),
-        ("azimuth_deg,elevation_deg,dphi_h_deg\n1,2,x\n", ["line 2", "1,2,x"]),
+        ("", ["holds no angle"]),
+        ("azimuth,elevation\n1,2\n", ["line 1", "azimuth_deg", "'azimuth,elevation'"]),
+        ("azimuth_deg,elevation_deg,dphi_h_deg\n", ["holds no angle"]),
+        ("azimuth_deg,elevation_deg,dphi_h_deg\n1,2\n", ["line 2", "3 numbers", "found 2"]),
+        ("azimuth_deg,elevation_deg,dphi_h_deg\n1,2,x\n", ["line 2", "dphi_h_deg", "'x'"]),
         ("azimuth_deg,elevation_deg,dphi_h_deg\n0,0,1\n9,9,1\n", ["one line for each", "found 0"]),
         ("azimuth_deg,elevation_deg,dphi_h_deg\n0,0,1\n0,0,1\n", ["one line for each", "found 2"]),
         ("azimuth_deg,elevation_deg,dphi_h_deg\n0,0,-1\n", ["above 0"]),

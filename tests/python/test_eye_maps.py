@@ -1,11 +1,10 @@
 """Maps of eyes: where directions are, what a place shows, and that figures say what they show."""
 
-import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from conftest import make_eye
+from conftest import make_eye, svg_texts
 
 import omma
 from omma.eye.field import sphere_directions
@@ -15,13 +14,7 @@ from omma.picture.eye_maps import colour_limits, draw_graticule, make_map, plot_
 from omma.picture.map_projections import PROJECTIONS, map_directions, project_directions
 
 pytest.importorskip("matplotlib")
-
-
-@pytest.fixture(autouse=True)
-def coarse_maps(monkeypatch):
-    """Maps of few pixels: quicker, and as good for what is tested here."""
-    monkeypatch.setattr("omma.picture.eye_maps._PIXELS", 200)
-
+pytestmark = pytest.mark.usefixtures("coarse_maps")
 
 AHEAD, RIGHT, LEFT, UP = [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0]
 
@@ -116,17 +109,12 @@ def test_a_place_shows_the_nearest_axis_within_the_field(projection):
     assert elevation[inside & ~shown].max() < 2 * half
 
 
-def texts(path):
-    """The words in an SVG are outlines; what they say is in comments."""
-    return re.findall(r"<!-- (.*?) -->", path.read_text())
-
-
 @pytest.mark.parametrize("projection", PROJECTIONS)
 def test_figure_says_what_it_shows(tmp_path, projection):
     eye = omma.eye.merge_eyes([omma.eye.generate_eye(300), omma.eye.generate_eye(200)])
     plot_eye_maps([tmp_path / "a.svg", tmp_path / "a.png", tmp_path / "a.pdf"], eye,
                   projection=projection)  # fmt: skip
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     for words in ("smaller Δφ of the ellipse (°)", "larger Δφ of the ellipse (°)",
                   "acceptance angle Δρ (°)", "Δρ/Δφ", "500 ommatidia",
                   "hatched: no ommatidium looks there; grey: not known, at a rim for want of "
@@ -157,14 +145,14 @@ def test_figure_of_chosen_properties(tmp_path):
         columns={"age": np.arange(200.0), "zone": ["dorsal", "ventral"] * 100},
     )
     plot_eye_maps(tmp_path / "a.svg", eye, ["eye-parameter", "age", "zone"], title="My eye")
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     for words in ("eye parameter D·Δφ (µm rad)", "age", "dorsal", "ventral", "My eye"):
         assert words in said
 
 
 def test_what_is_the_same_throughout_needs_no_colours(tmp_path):
     plot_eye_maps(tmp_path / "a.svg", make_eye(50), ["acceptance"])
-    assert "acceptance angle Δρ (°): 5 throughout" in texts(tmp_path / "a.svg")
+    assert "acceptance angle Δρ (°): 5 throughout" in svg_texts(tmp_path / "a.svg")
 
 
 def test_the_same_eye_gives_the_same_bytes(tmp_path):
@@ -214,7 +202,7 @@ def test_commands(tmp_path, monkeypatch, run_omma):
         "horizontal", "--property", "neighbours", "-o", "l.svg", "--title", "T",
     )  # fmt: skip
     assert (code, out, err) == (0, "wrote l.svg\n", "")
-    said = texts(tmp_path / "l.svg")
+    said = svg_texts(tmp_path / "l.svg")
     for words in ("horizontal Δφ (°)", "neighbours", "T"):
         assert words in said
 
@@ -345,8 +333,8 @@ def test_angles_are_between_neighbours_on_the_surface():
 def test_eyes_whose_angles_cannot_be_measured_are_drawn(tmp_path, axis):
     eye = omma.Eye(np.zeros((len(axis), 3)), axis, 0.1)
     plot_eye_maps(tmp_path / "a.svg", eye)
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     assert "smaller Δφ of the ellipse (°): not known" in said
     assert "acceptance angle Δρ (°): 5.73 throughout" in said
     omma.picture.plot_poster(tmp_path / "p.svg", eye)
-    assert "larger Δφ of the ellipse (°): not known" in texts(tmp_path / "p.svg")
+    assert "larger Δφ of the ellipse (°): not known" in svg_texts(tmp_path / "p.svg")

@@ -1,9 +1,8 @@
 """Figures of acceptance functions and posters: the right ommatidia, labels, units, clear errors."""
 
-import re
-
 import numpy as np
 import pytest
+from conftest import svg_texts
 
 import omma
 from omma.eye.measures import measure_eye
@@ -12,17 +11,7 @@ from omma.picture.acceptance_plots import choose, plot_acceptance
 from omma.picture.poster import plot_poster, plot_species
 
 pytest.importorskip("matplotlib")
-
-
-@pytest.fixture(autouse=True)
-def coarse_maps(monkeypatch):
-    """Maps of few pixels: quicker, and as good for what is tested here."""
-    monkeypatch.setattr("omma.picture.eye_maps._PIXELS", 200)
-
-
-def texts(path):
-    """The words in an SVG are outlines; what they say is in comments."""
-    return re.findall(r"<!-- (.*?) -->", path.read_text())
+pytestmark = pytest.mark.usefixtures("coarse_maps")
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +56,7 @@ def test_wrong_choices_are_named(tmp_path, eye, ommatidia, words):
 
 def test_acceptance_figure_says_what_it_shows(tmp_path, eye):
     plot_acceptance([tmp_path / "a.svg", tmp_path / "a.pdf"], eye, [0, 1, 2])
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     sampling = np.radians(measure_eye(eye).sampling_per_rad[0])
     airy = np.degrees(1.0290 * 500e-9 / 20e-6)
     for words in (
@@ -91,7 +80,7 @@ def test_acceptance_figure_says_what_it_shows(tmp_path, eye):
 
 def test_equal_acceptances_are_one_curve(tmp_path, eye):
     plot_acceptance(tmp_path / "a.svg", eye, [0, 3, 6])
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     assert f"0, 3, 6: gaussian, Δρ {np.degrees(0.08):.2f}°" in said
 
 
@@ -144,7 +133,7 @@ def test_poster_says_what_it_shows(tmp_path, head):
         facts=[("facets", "-20 µm", "measured, somebody 1999")],
         sources=["[somebody 1999] A paper"],
     )
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     for words in ("A fly", "from ahead; colours as in the first map", "right eye, from its right",
                   "right eye, from ahead, right and above", "facets", "−20 µm",
                   "measured, somebody 1999", "smaller Δφ of the ellipse (°)",
@@ -165,7 +154,7 @@ def test_poster_of_a_species_names_the_standing_of_each_fact(tmp_path):
     bee = omma.species.make("honeybee_worker")
     small = omma.species.Species(bee.name, bee.latin, bee.eye.take(range(0, 10760, 10)), bee.facts)
     plot_species(tmp_path / "a.svg", small)
-    said = texts(tmp_path / "a.svg")
+    said = svg_texts(tmp_path / "a.svg")
     assert "Honeybee worker, Apis mellifera" in said
     assert "measured, sturzl2010" in said
     assert any("Bioinspir Biomim 5:036002" in words for words in said)
@@ -177,13 +166,13 @@ def test_commands(tmp_path, monkeypatch, run_omma):
     for what in ("3d", "acceptance", "poster"):
         code, out, err = run_omma("eye", "plot", "a.eye", "--what", what, "-o", f"{what}.svg")
         assert (code, out, err) == (0, f"wrote {what}.svg\n", "")
-    assert "interommatidial angle Δφ, mean (°)" in texts(tmp_path / "3d.svg")
+    assert "interommatidial angle Δφ, mean (°)" in svg_texts(tmp_path / "3d.svg")
     code, _, err = run_omma(
         "eye", "plot", "a.eye", "--what", "acceptance", "--ommatidium", "3", "--ommatidium",
         "10,-20", "-o", "c.svg",
     )  # fmt: skip
     assert (code, err) == (0, "")
-    assert any(words.startswith("3: gaussian") for words in texts(tmp_path / "c.svg"))
+    assert any(words.startswith("3: gaussian") for words in svg_texts(tmp_path / "c.svg"))
 
 
 @pytest.mark.parametrize(

@@ -441,14 +441,3 @@ def test_command_errors_are_one_line(omma_eye, tmp_path, arguments, words):
     for word in words:
         assert word in err
     assert [path.name for path in tmp_path.iterdir()] == ["bug.eye"]
-
-
-@pytest.mark.parametrize(
-    "command",
-    ["make", "mirror", "place", "scale", "join", "split", "acceptance", "draw", "convert"],
-)
-def test_help_shows_examples(omma_eye, command):
-    code, out, _ = omma_eye(command, "--help")
-    assert code == 0
-    assert "Examples" in out
-    assert f"omma eye {command}" in out

@@ -15,7 +15,7 @@ import splat_bytes
 from conftest import write_gltf
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_splat_files import ARRAYS
+from splat_files import ARRAYS
 
 import omma
 from omma.job.info import describe_file

@@ -1,12 +1,12 @@
 """The worked examples of physical light: their parts against closed forms, and small runs."""
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 
 import omma
 
@@ -15,10 +15,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples/python"
 
 
 def load(name):
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_script(EXAMPLES / f"{name}.py")
 
 
 @pytest.mark.parametrize("turn", [0, 77, 200])

@@ -1,6 +1,5 @@
 """Loading and building: progress, Ctrl-C and exceptions on the way, large scenes."""
 
-import importlib.util
 import json
 import signal
 import subprocess
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 from processes import Program
 
 import omma
@@ -71,10 +71,7 @@ except KeyboardInterrupt:
 @pytest.fixture(scope="module")
 def large(tmp_path_factory):
     """A scene whose building takes seconds on one thread."""
-    place = ROOT / "bench" / "make_large_scene.py"
-    made = importlib.util.spec_from_file_location("make_large_scene", place)
-    module = importlib.util.module_from_spec(made)
-    made.loader.exec_module(module)
+    module = load_script(ROOT / "bench" / "make_large_scene.py")
     path = tmp_path_factory.mktemp("large") / "hills.glb"
     assert module.write_scene(path, 4_000_000) >= 4_000_000
     return path

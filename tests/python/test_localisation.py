@@ -3,14 +3,13 @@ all of it from files to plot.
 """
 
 import csv
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, load_script
 
 import omma
 
@@ -22,15 +21,7 @@ EYES = [DATA / "compound-ray" / "bees" / f"AM_60185-{v}.eye" for v in ("real", "
 needs_data = pytest.mark.skipif(not SCENE.is_file(), reason=f"needs {SCENE}, which is not here")
 
 
-def load_script():
-    spec = importlib.util.spec_from_file_location("localise", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["localise"] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
-
-
-localise = load_script()
+localise = load_script(SCRIPT)
 
 
 def some_views(ommatidia=60, views=40):

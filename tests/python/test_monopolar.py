@@ -172,7 +172,7 @@ BAD = [
     (lambda: displace_axes(ALONG, UPWARDS[:0], [0.1], 0), "up: expected 1 vectors as axis has"),
     (lambda: displace_axes(ALONG, UPWARDS, [0.1, 0.2], 0), "angle_rad: expected shape"),
     (lambda: displace_axes(ALONG, UPWARDS, [0.1], [0, 1]), "towards_rad: expected a number or"),
-    (lambda: displace_axes(ALONG, UPWARDS, [np.nan], 0), "angle_rad, towards_rad: expected finite"),
+    (lambda: displace_axes(ALONG, UPWARDS, [np.nan], 0), "angle_rad: expected finite"),
 ]
 
 

@@ -1,10 +1,10 @@
 """The worked example of motion: what a fly's detectors make of a looming disc and of a target."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import load_script
 
 import omma
 
@@ -13,10 +13,7 @@ SCRIPT = Path(__file__).resolve().parents[2] / "examples" / "python" / "looming_
 
 @pytest.fixture(scope="module")
 def example():
-    spec = importlib.util.spec_from_file_location("looming_and_target", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_script(SCRIPT)
 
 
 def test_both_are_seen_to_move_as_they_do(example, tmp_path, monkeypatch):

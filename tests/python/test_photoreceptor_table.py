@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import omma
-from omma.eye.superposition import TRAPEZOID, fly_receptors, neural_superposition_wiring
+from omma.eye.superposition import fly_receptors, neural_superposition_wiring
+from omma.eye.trapezoid import TRAPEZOID
 
 SKY = (0.2, 0.4, 0.8)
 

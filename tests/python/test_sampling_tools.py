@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-from test_cli import omma_command  # noqa: F401  (a fixture)
 
 import omma
 from omma.study.search import _positions, _spread_points, _turned, _uniform_quaternions
@@ -384,7 +383,7 @@ def test_plots_say_what_to_install(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_min_samples_command(omma_command, tmp_path):  # noqa: F811
+def test_min_samples_command(omma_command, tmp_path):
     outputs = tmp_path / "x.csv", tmp_path / "x.png"
     code, out, err = omma_command(
         "measure", "min-samples", "scene.gltf", "--box", -5, 0.5, -5, 5, 2, 5, "--fraction", 0.1,
@@ -413,13 +412,13 @@ def test_min_samples_command(omma_command, tmp_path):  # noqa: F811
         (("--cylinder", 0, 0, 0, 1, 1, "-o", "no/x.csv"), "there is no directory no"),
     ],
 )
-def test_min_samples_command_says_what_is_wrong(omma_command, arguments, message):  # noqa: F811
+def test_min_samples_command_says_what_is_wrong(omma_command, arguments, message):
     code, out, err = omma_command("measure", "min-samples", "scene.gltf", *arguments)
     assert (code, out) == (1, "")
     assert message in err
 
 
-def test_variance_map_command(omma_command, tmp_path):  # noqa: F811
+def test_variance_map_command(omma_command, tmp_path):
     path = tmp_path / "x.npy"
     code, out, err = omma_command(
         "measure", "variance-map", "scene.gltf", "--centre", 0, 1, 0, "--size", 10, "--steps", 3,
@@ -430,7 +429,7 @@ def test_variance_map_command(omma_command, tmp_path):  # noqa: F811
     assert np.load(path).shape == (3, 3)
 
 
-def test_aliasing_command(omma_command, tmp_path):  # noqa: F811
+def test_aliasing_command(omma_command, tmp_path):
     path = tmp_path / "x.csv"
     code, out, err = omma_command(
         "measure", "aliasing", "scene.gltf", "--eye", "bug.eye", "--camera", "insect",
@@ -440,10 +439,3 @@ def test_aliasing_command(omma_command, tmp_path):  # noqa: F811
     assert "CompoundRay" in out
     rows = read_csv(path)
     assert [row["rays_per_ommatidium"] for row in rows] == 2 * ["1", "2", "4", "8"]
-
-
-def test_measure_help_has_examples(omma_command):  # noqa: F811
-    for command in ("min-samples", "variance-map", "aliasing", "speed"):
-        code, out, _ = omma_command("measure", command, "--help")
-        assert code == 0
-        assert "Examples" in out

@@ -4,7 +4,6 @@ import csv
 
 import numpy as np
 import pytest
-from test_cli import omma_command  # noqa: F401  (a fixture)
 from test_sampling_tools import check_png
 
 import omma
@@ -68,7 +67,7 @@ def test_wrong_arguments_are_named(scene, eye, changes, message):
         omma.study.measure_speed(scene, eye, **settings)
 
 
-def test_speed_command(omma_command, tmp_path):  # noqa: F811
+def test_speed_command(omma_command, tmp_path):
     path = tmp_path / "x.csv"
     code, out, err = omma_command(
         "measure", "speed", "scene.gltf", "--eye", "bug.eye", "--rays", "1,2", "--frames", 2,

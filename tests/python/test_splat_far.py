@@ -8,8 +8,8 @@ import textwrap
 import numpy as np
 import pytest
 import splat_bytes
+from splat_files import RDF_TO_RUB, ply_of, saved, some_splats
 from test_gltf_spz import document_of, primitive, write_glb
-from test_splat_files import RDF_TO_RUB, ply_of, saved, some_splats
 
 import omma
 from omma.scene import SplatCloud, load_splats, save_splats

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import omma
-from omma.eye.superposition import TRAPEZOID
+from omma.eye.trapezoid import TRAPEZOID
 
 SPACING = np.radians(4.5)
 

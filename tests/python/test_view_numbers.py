@@ -17,7 +17,7 @@ from omma.view.command import Sources, path_text, render_command, render_python
 from omma.view.path_files import poses_of_csv
 from omma.view.poses import HeadPose, pose_from_matrix
 from omma.view.scene_mesh import drawn_scene
-from omma.view.state import Look, Looker, finer, refined
+from omma.view.state import Look, Looker, finer
 
 
 def test_a_pose_is_what_a_transform_is_but_for_its_rounding():
@@ -44,7 +44,9 @@ def test_what_is_seen_is_what_the_renderer_renders(looker):
     assert np.array_equal(seen.responses, plain[0])
     assert seen.errors is None
     assert np.ptp(seen.responses) > 0.1
-    still = refined(looker, look, most=16)
+    still = [seen]
+    while still[-1].samples < 16:
+        still.append(looker.see(look, *finer(still[-1])))
     assert [(one.samples, one.standard_error) for one in still] == [
         (4, False), (4, True), (8, True), (16, True),
     ]  # fmt: skip

@@ -79,18 +79,28 @@ def within(value: float, name: str, low: float, high: float) -> float:
     return float(value)
 
 
+# Lengths of an array's axes: None or a name for any, ... first for any axes before the others.
+Shape = tuple[Any, ...]
+
+
 def array_of(
-    value: Any, name: str, shape: tuple[int | None, ...] | None = None, dtype: Any = np.float64
+    value: Any,
+    name: str,
+    shape: Shape | list[Shape] | None = None,
+    dtype: Any = np.float64,
+    *,
+    finite: bool = False,
 ) -> NDArray[Any]:
     """``value`` as an array of numbers, where it is one; the array itself where it fits already,
     and the memory of another library's array (`as_numpy`).
 
     Args:
-        shape: that it must have; None in it for any length. None: whatever it has.
+        shape: that it must have, or a list of those that it may have. None: whatever it has.
+        finite: whether all of its numbers must be.
 
     Raises:
         omma.Error: rows of different lengths, texts, complex numbers, objects, fractions where
-            ``dtype`` is whole, another shape; it names the argument.
+            ``dtype`` is whole, another shape, numbers that are not finite; it names the argument.
     """
     try:
         given = np.asarray(as_numpy(value, name))
@@ -99,17 +109,34 @@ def array_of(
     if given.dtype.kind not in "biuf":
         raise Error(f"{name}: expected numbers, found {type(value).__name__} {value!r:.40}")
     if shape is not None:
-        fits = [wanted in (None, found) for wanted, found in zip(shape, given.shape)]
-        if given.ndim != len(shape) or not all(fits):
-            lengths = ", ".join("N" if length is None else str(length) for length in shape)
-            comma = "," if len(shape) == 1 else ""
-            raise Error(f"{name}: expected shape ({lengths}{comma}), found {given.shape}")
+        shapes = shape if isinstance(shape, list) else [shape]
+        if not any(_fits(given.shape, one) for one in shapes):
+            raise Error(f"{name}: expected {_shapes_text(shapes)}, found {given.shape}")
     # What is beyond the range of float32 becomes infinite; callers say whether that may be.
     with np.errstate(over="ignore", invalid="ignore"):
         array = np.asarray(given, dtype)
     if given.dtype.kind == "f" and array.dtype.kind in "iu" and np.any(array != given):
         raise Error(f"{name}: expected whole numbers, found {value!r:.40}")
+    if finite and not np.isfinite(array).all():
+        raise Error(f"{name}: expected finite numbers")
     return array
+
+
+def _fits(found: tuple[int, ...], wanted: Shape) -> bool:
+    if wanted[:1] == (...,):
+        wanted = wanted[1:]
+        found = found[max(0, len(found) - len(wanted)) :]
+    fits = [isinstance(n, str | None) or n == length for n, length in zip(wanted, found)]
+    return len(found) == len(wanted) and all(fits)
+
+
+def _shapes_text(shapes: list[Shape]) -> str:
+    words = {None: "N", ...: "..."}
+    texts = []
+    for one in shapes:
+        lengths = ", ".join(str(words.get(length, length)) for length in one)
+        texts.append(f"({lengths}{',' if len(one) == 1 else ''})" if one else "a number")
+    return " or ".join(texts).replace("(", "shape (", 1)
 
 
 def expect(value: object, kind: type, name: str, hint: str) -> None:

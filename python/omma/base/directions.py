@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from omma._core import Error
 from omma.base.arguments import array_of, arrays_of, checked
-
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 
 @checked
@@ -22,9 +20,7 @@ def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
 @checked
 def azimuth_elevation_deg_of(directions: ArrayLike) -> tuple[Floats, Floats]:
     """Azimuth (-180 to 180) and elevation of directions (..., 3), degrees."""
-    vectors = array_of(directions, "directions")
-    if vectors.shape[-1:] != (3,):
-        raise Error(f"directions: expected shape (..., 3), found {vectors.shape}")
+    vectors = array_of(directions, "directions", (..., 3))
     x, y, z = np.moveaxis(vectors, -1, 0)
     # Adding 0 turns -0 into 0.
     return np.degrees(np.arctan2(x, -z)) + 0.0, np.degrees(np.arctan2(y, np.hypot(x, z))) + 0.0
@@ -39,3 +35,11 @@ def angle_of_chord(length: Floats | float) -> Floats:
 def normalized(vectors: Floats) -> Floats:
     """Vectors (..., 3) at length 1."""
     return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
+
+
+def tangents(axis: Floats) -> tuple[Floats, Floats]:
+    """Two directions across an axis (3,) and each other."""
+    helper = np.eye(3)[np.argmin(np.abs(axis))]
+    right = np.cross(helper, axis)
+    right /= np.linalg.norm(right)
+    return right, np.cross(axis, right)

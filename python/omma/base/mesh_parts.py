@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from omma._core import Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import one_of
+from omma.base.arrays import Floats, Ints
 from omma.base.files import metres_per_unit
 from omma.base.srgb import linear_of_srgb
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # What turns the axis that points up into +Y: z, and where y points down and z ahead (COLMAP's
 # cameras, from which splats are trained) -y, by half a turn about x.

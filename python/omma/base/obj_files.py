@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Error
+from omma.base.arrays import Ints
 from omma.base.mesh_parts import MeshParts, Piece, linear
 from omma.base.mtl_files import Materials
 from omma.base.optional import needs
 from omma.base.polygons import triangulate
-
-Ints = NDArray[np.int64]
 
 _USE = re.compile(rb"^[ \t]*usemtl\b[ \t]*([^\r\n]*)", re.MULTILINE)
 _LIBRARY = re.compile(rb"^[ \t]*mtllib\b[ \t]*([^\r\n]*)\r?$", re.MULTILINE)

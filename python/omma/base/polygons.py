@@ -8,12 +8,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats, Ints
 from omma.base.optional import needs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Of an area, what rounding of corners on one line leaves.
 _ROUNDING = 1e-9

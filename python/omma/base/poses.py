@@ -6,8 +6,6 @@ The head looks along its -Z, +X is its right, +Y up (glTF's camera frame); lengt
 from __future__ import annotations
 
 import os
-from array import array
-from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +15,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.arguments import array_of, checked
 from omma.base.dlpack import as_numpy
-from omma.base.files import open_text
+from omma.base.tables import read_table
 from omma.base.warn import warn_caller
 
 Matrices = NDArray[np.float64]
@@ -159,42 +157,14 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
     Raises:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
     """
-    name = os.fsdecode(path)
-    columns, table = read_table(open_text(path), name, (QUATERNION_COLUMNS, ANGLE_COLUMNS), "pose")
+    columns, table, lines = read_table(path, (QUATERNION_COLUMNS, ANGLE_COLUMNS), "pose")
     if columns == QUATERNION_COLUMNS:
+        nowhere = np.flatnonzero(~table[:, 3:].any(axis=1))
+        if len(nowhere):
+            line = lines[nowhere[0]]
+            raise Error(f"{os.fsdecode(path)}, line {line}: the quaternion has length 0")
         return poses_from_quaternions(table[:, :3], table[:, 3:])
     return poses_from_angles(table[:, :3], table[:, 3:])
-
-
-def read_table(
-    lines: Iterable[str], name: str, headers: Sequence[tuple[str, ...]], row: str
-) -> tuple[tuple[str, ...], Matrices]:
-    """Names of the columns, one of ``headers``, and the rows as float64 (P, columns); ``row`` is
-    what one of them is called."""
-    columns: tuple[str, ...] = ()
-    rows = array("d")  # 8 bytes a number: a million poses are few
-    for number, full in enumerate(lines, start=1):
-        line = full.split("#", 1)[0].strip()
-        if not line:
-            continue
-        cells = [cell.strip() for cell in line.split(",")]
-        if not columns:
-            columns = tuple(cell.lower() for cell in cells)
-            if columns not in headers:
-                expected = " or ".join(",".join(header) for header in headers)
-                raise Error(
-                    f"{name}, line {number}: expected a header line {expected}, found '{line[:60]}'"
-                )
-            continue
-        if len(cells) != len(columns):
-            raise Error(
-                f"{name}, line {number}: expected {len(columns)} numbers separated by commas, "
-                f"found {len(cells)}"
-            )
-        rows.extend(_row(cells, columns, f"{name}, line {number}"))
-    if not rows:
-        raise Error(f"{name}: holds no {row}")
-    return columns, np.array(rows).reshape(-1, len(columns))
 
 
 def as_poses(poses: Any, first: int = 0) -> Matrices:
@@ -243,21 +213,6 @@ def is_position_pair(poses: Any) -> bool:
         return bool(np.shape(as_numpy(poses[0], "poses"))[-1:] == (3,))
     except ValueError:  # rows of different lengths
         return False
-
-
-def _row(cells: list[str], columns: tuple[str, ...], where: str) -> list[float]:
-    row = []
-    for cell, column in zip(cells, columns, strict=True):
-        try:
-            value = float(cell)
-        except ValueError:
-            value = float("nan")
-        if not np.isfinite(value):
-            raise Error(f"{where}, column {column}: expected a finite number, found '{cell[:40]}'")
-        row.append(value)
-    if columns == QUATERNION_COLUMNS and not any(row[3:]):
-        raise Error(f"{where}: the quaternion has length 0")
-    return row
 
 
 def _cos_sin(angle: Matrices) -> tuple[Matrices, Matrices]:

@@ -4,9 +4,8 @@ Biosci 44:179)."""
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 GOLDEN_ANGLE_RAD = np.pi * (3 - np.sqrt(5))
 

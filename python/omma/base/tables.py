@@ -5,43 +5,56 @@ from __future__ import annotations
 import csv
 import math
 import os
+from array import array
 from collections.abc import Sequence
+from importlib.resources import files
+from itertools import repeat
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.base.files import PathLike, open_text
 
-Floats = NDArray[np.float64]
 
+def read_table(
+    path: PathLike, headers: Sequence[tuple[str, ...]], row: str
+) -> tuple[tuple[str, ...], Floats, Sequence[int]]:
+    """Of a CSV file the names of its columns, one of ``headers``, the rows (N, columns), and the
+    number of each one's line; ``row`` is what one of them is called.
 
-def read_table(path: PathLike, *headers: Sequence[str]) -> tuple[list[str], Floats]:
-    """The header of a CSV file, which is one of ``headers``, and its numbers (N, columns).
-
-    Lines that begin with # are passed over.
+    Empty lines, and what follows a #, are passed over.
 
     Raises:
         omma.Error: the file cannot be read or is no such table; it names the line.
     """
     name = os.fsdecode(path)
-    lines = [
-        (n, line)
-        for n, line in enumerate(open_text(path), start=1)
-        if line.strip() and not line.startswith("#")
-    ]
-    try:
-        rows = [(n, next(csv.reader([line], skipinitialspace=True))) for n, line in lines]
-    except csv.Error as error:
-        raise Error(f"{name}: is not CSV: {error}") from None
-    header = [word.strip() for word in rows[0][1]] if rows else []
-    if header not in [list(known) for known in headers]:
-        expected = " or ".join(", ".join(known) for known in headers)
-        raise Error(f"{name}: expected the columns {expected}, found {', '.join(header) or 'none'}")
-    table = [_numbers(words, len(header), f"{name}, line {n}") for n, words in rows[1:]]
-    if not table:
-        raise Error(f"{name}: expected at least one line of numbers")
-    return header, np.array(table)
+    columns: tuple[str, ...] = ()
+    numbers = array("d")  # 8 bytes a number: a million poses are few
+    lines = array("q")
+    for number, full in enumerate(open_text(path), start=1):
+        line, where = full.split("#", 1)[0].strip(), f"{name}, line {number}"
+        if not line:
+            continue
+        try:
+            cells = [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+        except csv.Error as error:
+            raise Error(f"{where}: is not CSV: {error}") from None
+        if not columns:
+            columns = tuple(cell.lower() for cell in cells)
+            if columns not in headers:
+                expected = " or ".join(",".join(header) for header in headers)
+                raise Error(f"{where}: expected a header line {expected}, found '{line[:60]}'")
+            continue
+        if len(cells) != len(columns):
+            raise Error(
+                f"{where}: expected {len(columns)} numbers separated by commas, found {len(cells)}"
+            )
+        numbers.extend(map(_number, cells, columns, repeat(where)))
+        lines.append(number)
+    if not numbers:
+        raise Error(f"{name}: holds no {row}")
+    return columns, np.array(numbers).reshape(-1, len(columns)), lines
 
 
 def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[Floats, ...]:
@@ -70,11 +83,18 @@ def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[F
     return (columns, rows, *grids)
 
 
-def _numbers(words: list[str], count: int, where: str) -> list[float]:
+def _number(cell: str, column: str, where: str) -> float:
     try:
-        values = [float(word) for word in words]
+        value = float(cell)
     except ValueError:
-        values = []
-    if len(values) != count or not all(math.isfinite(value) for value in values):
-        raise Error(f"{where}: expected {count} numbers, found {','.join(words)!r:.60}")
-    return values
+        value = math.nan
+    if not math.isfinite(value):
+        raise Error(f"{where}, column {column}: expected a finite number, found '{cell[:40]}'")
+    return value
+
+
+def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
+    """The rows of a CSV file that comes with a subpackage, by column; lines that begin with # are
+    passed over."""
+    text = files(package).joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from omma.cli.help import App
+from omma.cli.parameters import argument, option, out, switch
 from omma.cli.working import check_outputs, say, warn, working
 from omma.datasets.contact_sheet import contact_sheet
 from omma.datasets.description import describe
@@ -96,10 +97,8 @@ Write a data set as tar files for WebDataset: NUMBER.response.npy and NUMBER.jso
 
 dataset_app = App(help=DATASET_HELP, no_args_is_help=True)
 
-StoreArgument = Annotated[Path, typer.Argument(help="The data set.", metavar="STORE")]
-EyeOption = Annotated[
-    str | None, typer.Option(help="Whose views, where there are several eyes.", metavar="NAME")
-]
+StoreArgument = Annotated[Path, argument("The data set.", "STORE")]
+EyeOption = Annotated[str | None, option("Whose views, where there are several eyes.", "NAME")]
 
 
 @dataset_app.callback()
@@ -109,23 +108,23 @@ def _dataset() -> None:
 
 @dataset_app.command(help=RUN_HELP, short_help="Make a data set, or what is missing of it.")
 def run(
-    job: Annotated[Path, typer.Argument(help="The job, a TOML file.", metavar="JOB")],
+    job: Annotated[Path, argument("The job, a TOML file.", "JOB")],
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Store to write; default: as the job says.",
-                     metavar="STORE"),
+        Path | None, out("Store to write; default: as the job says.", "STORE")
     ] = None,
-    threads: Annotated[int, typer.Option(help="On this machine; 0: all cores.", metavar="N")] = 0,
+    threads: Annotated[int, option("On this machine; 0: all cores.", "N")] = 0,
     dask: Annotated[
-        str | None,
-        typer.Option(help="Have the workers of this Dask scheduler do it.", metavar="ADDRESS"),
+        str | None, option("Have the workers of this Dask scheduler do it.", "ADDRESS")
     ] = None,
     slurm: Annotated[
         int,
-        typer.Option(help="Make so many jobs in SLURM, as the table [slurm] of the job says, whose "
-                     "workers do it.", metavar="N"),
+        option(
+            "Make so many jobs in SLURM, as the table [slurm] of the job says, whose "
+            "workers do it.",
+            "N",
+        ),
     ] = 0,
-) -> None:  # fmt: skip
+) -> None:
     """Make a data set."""
     with working() as bar:
         read = load_job(job)
@@ -160,11 +159,9 @@ def run(
 def verify(
     store: StoreArgument,
     forget: Annotated[
-        bool,
-        typer.Option("--forget", help="Forget shards that are damaged, so that run makes them "
-                     "anew."),
+        bool, switch("--forget", "Forget shards that are damaged, so that run makes them anew.")
     ] = False,
-) -> None:  # fmt: skip
+) -> None:
     """Check a data set."""
     with working() as bar:
         report = verify_store(store, forget=forget, progress=bar.fraction_of("Verifying"))
@@ -192,16 +189,11 @@ def info(store: StoreArgument) -> None:
 @dataset_app.command(help=SAMPLE_HELP, short_help="Draw some views on one sheet.")
 def sample(
     store: StoreArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Figure to write: .png, .svg, .pdf.",
-                           metavar="OUT")
-    ],
+    output: Annotated[Path, out("Figure to write: .png, .svg, .pdf.")],
     count: Annotated[int, typer.Option("-n", "--count", help="How many views.", metavar="N")] = 24,
     eye: EyeOption = None,
-    seed: Annotated[
-        int, typer.Option(help="Of the choice of views.", metavar="N")
-    ] = 0,
-) -> None:  # fmt: skip
+    seed: Annotated[int, option("Of the choice of views.", "N")] = 0,
+) -> None:
     """Draw a contact sheet."""
     check_outputs(output)
     with working():
@@ -212,15 +204,12 @@ def sample(
 @dataset_app.command("to-webdataset", help=TARS_HELP, short_help="Write views as tar files.")
 def to_webdataset(
     store: StoreArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder to write.", metavar="FOLDER")
-    ],
+    output: Annotated[Path, out("Folder to write.", "FOLDER")],
     variable: Annotated[
-        list[str] | None,
-        typer.Option(help="Array to write; may be repeated. Default: response.", metavar="NAME"),
+        list[str] | None, option("Array to write; may be repeated. Default: response.", "NAME")
     ] = None,
     eye: EyeOption = None,
-    views_per_file: Annotated[int, typer.Option(help="Views in a file.", metavar="N")] = 1000,
+    views_per_file: Annotated[int, option("Views in a file.", "N")] = 1000,
 ) -> None:
     """Write tar files."""
     with working() as bar:

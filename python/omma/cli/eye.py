@@ -6,20 +6,20 @@ import math
 from pathlib import Path
 from typing import Annotated, Literal
 
-import typer
-
-from omma._core import Error, merge_eyes
+from omma._core import Error
 from omma.base.figures import figure_names
+from omma.cli.eye_change import add_change_commands
 from omma.cli.eye_convert import add_convert_command
 from omma.cli.eye_files import EyeArgument, EyesArgument, OutOption, UnitOption, eye_target, save
 from omma.cli.eye_look import add_look_commands
-from omma.cli.eye_make import add_make_commands
+from omma.cli.eye_make import add_make_command
 from omma.cli.eye_species import add_species_command
 from omma.cli.help import App
 from omma.cli.numbers import acceptance_angle, finite, not_below_zero
+from omma.cli.parameters import option, out, switch
 from omma.cli.working import check_outputs, say, working
 from omma.eye.change import set_acceptance, split_eye
-from omma.eye.files import load_eye
+from omma.eye.files import load_eye, load_head
 from omma.picture.drawing import draw_eye
 
 EYE_HELP = """
@@ -80,7 +80,8 @@ left), 90 0 from its right, 0 90 from above. What faces away is left out unless 
 """
 
 eye_app = App(name="eye", help=EYE_HELP, no_args_is_help=True)
-add_make_commands(eye_app)
+add_make_command(eye_app)
+add_change_commands(eye_app)
 add_look_commands(eye_app)
 add_species_command(eye_app)
 add_convert_command(eye_app)
@@ -90,36 +91,15 @@ add_convert_command(eye_app)
 def split(
     eye: EyeArgument,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="File for both eyes, left first.",
-            metavar="OUT",
-            callback=eye_target,
-        ),
+        Path | None, out("File for both eyes, left first.", callback=eye_target)
     ] = None,
-    left: Annotated[
-        Path | None,
-        typer.Option(help="File for the left eye.", metavar="OUT", callback=eye_target),
-    ] = None,
-    right: Annotated[
-        Path | None,
-        typer.Option(help="File for the right eye.", metavar="OUT", callback=eye_target),
-    ] = None,
+    left: Annotated[Path | None, option("File for the left eye.", "OUT", eye_target)] = None,
+    right: Annotated[Path | None, option("File for the right eye.", "OUT", eye_target)] = None,
     shift_mm: Annotated[
-        float,
-        typer.Option(
-            help="How far each is moved to its side, in mm.", metavar="MM", callback=finite
-        ),
+        float, option("How far each is moved to its side, in mm.", "MM", finite)
     ] = 0.0,
     overlap_mm: Annotated[
-        float,
-        typer.Option(
-            help="What is this near the middle goes to both, in mm.",
-            metavar="MM",
-            callback=not_below_zero,
-        ),
+        float, option("What is this near the middle goes to both, in mm.", "MM", not_below_zero)
     ] = 0.0,
     unit: UnitOption = "mm",
 ) -> None:
@@ -139,22 +119,15 @@ def acceptance(
     eye: EyeArgument,
     output: OutOption,
     degrees: Annotated[
-        float | None,
-        typer.Option(
-            help="One angle for all, in degrees.", metavar="DEG", callback=acceptance_angle
-        ),
+        float | None, option("One angle for all, in degrees.", "DEG", acceptance_angle)
     ] = None,
-    factor: Annotated[
-        float | None, typer.Option(help="Times the present angles.", metavar="FACTOR")
-    ] = None,
-    ratio: Annotated[
-        float | None, typer.Option(help="Times the interommatidial angle.", metavar="RATIO")
-    ] = None,
+    factor: Annotated[float | None, option("Times the present angles.", "FACTOR")] = None,
+    ratio: Annotated[float | None, option("Times the interommatidial angle.", "RATIO")] = None,
     non_overlapping: Annotated[
-        bool, typer.Option("--non-overlapping", help="The angle to the nearest axis.")
+        bool, switch("--non-overlapping", "The angle to the nearest axis.")
     ] = False,
     compoundray_maximal: Annotated[
-        bool, typer.Option("--compoundray-maximal", help="CompoundRay's rule.")
+        bool, switch("--compoundray-maximal", "CompoundRay's rule.")
     ] = False,
     unit: UnitOption = "mm",
 ) -> None:
@@ -180,53 +153,32 @@ def acceptance(
 @eye_app.command(help=DRAW_HELP, short_help="Draw an eye, to SVG and PNG.")
 def draw(
     eye: EyesArgument,
-    output: Annotated[
-        list[Path],
-        typer.Option(
-            "-o",
-            "--output",
-            help="File to write: .pdf, .svg or .png. May be repeated.",
-            metavar="OUT",
-        ),
-    ],
-    yaw: Annotated[
-        float,
-        typer.Option(help="Azimuth to look from, in degrees.", metavar="DEG", callback=finite),
-    ] = 0.0,
-    pitch: Annotated[
-        float,
-        typer.Option(help="Elevation to look from, in degrees.", metavar="DEG", callback=finite),
-    ] = 0.0,
+    output: Annotated[list[Path], out("File to write: .pdf, .svg or .png. May be repeated.")],
+    yaw: Annotated[float, option("Azimuth to look from, in degrees.", "DEG", finite)] = 0.0,
+    pitch: Annotated[float, option("Elevation to look from, in degrees.", "DEG", finite)] = 0.0,
     style: Annotated[
-        Literal["facets", "axes", "both"],
-        typer.Option(help="Facets, lines along the axes, or both."),
+        Literal["facets", "axes", "both"], option("Facets, lines along the axes, or both.")
     ] = "facets",
     colour: Annotated[
         str,
-        typer.Option(
-            help="What colours mean: none, a property (as in omma eye plot) or a column.",
-            metavar="PROPERTY",
+        option(
+            "What colours mean: none, a property (as in omma eye plot) or a column.", "PROPERTY"
         ),
     ] = "interommatidial",
-    back: Annotated[bool, typer.Option("--back", help="Draw what faces away too.")] = False,
+    back: Annotated[bool, switch("--back", "Draw what faces away too.")] = False,
     axis_length_mm: Annotated[
-        float | None,
-        typer.Option(help="Length of the axes, in mm. Default: a tenth.", metavar="MM"),
+        float | None, option("Length of the axes, in mm. Default: a tenth.", "MM")
     ] = None,
-    size_mm: Annotated[
-        float, typer.Option(help="Width of the drawing, in mm.", metavar="MM")
-    ] = 150.0,
+    size_mm: Annotated[float, option("Width of the drawing, in mm.", "MM")] = 150.0,
     unit: UnitOption = "mm",
 ) -> None:
     """Draw an eye, to SVG and PNG, with a scale bar."""
     names = figure_names(output)
     check_outputs(*output)
     with working():
-        eyes = [load_eye(path, unit) for path in eye]
-        head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
         draw_eye(
             names,
-            head,
+            load_head(eye, unit),
             yaw_deg=yaw,
             pitch_deg=pitch,
             style=style,

@@ -10,7 +10,8 @@ import typer
 
 from omma._core import Error, Eye
 from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, save
-from omma.cli.numbers import above_zero, acceptance_angle
+from omma.cli.numbers import above_zero, acceptance_angle, numbers_of
+from omma.cli.parameters import option, switch
 from omma.cli.working import warn, working
 from omma.eye.change import convert_eye
 from omma.eye.files import OCES_SUFFIXES, eye_file_losses, load_eye
@@ -56,60 +57,43 @@ def convert(
     output: OutOption,
     source: Annotated[
         Literal["oda", "lens-cone"] | None,
-        typer.Option("--from", help="The file is a measurement of this kind."),
+        switch("--from", "The file is a measurement of this kind."),
     ] = None,
     cones: Annotated[
-        Path | None, typer.Option(help="Tips of the cones, with --from lens-cone.", metavar="CSV")
+        Path | None, option("Tips of the cones, with --from lens-cone.", "CSV")
     ] = None,
     scan_unit: Annotated[
         str | None,
-        typer.Option(
-            help="With --from: unit of lengths: um, mm, m or a number of metres. Default: what a "
+        option(
+            "With --from: unit of lengths: um, mm, m or a number of metres. Default: what a "
             "file of points says, else um.",
-            metavar="UNIT",
+            "UNIT",
         ),
     ] = None,
     ahead: Annotated[
-        str | None,
-        typer.Option(
-            help="With --from: the animal's front in the scan. Default: 0,0,-1.", metavar="X,Y,Z"
-        ),
+        str | None, option("With --from: the animal's front in the scan. Default: 0,0,-1.", "X,Y,Z")
     ] = None,
     up: Annotated[
-        str | None,
-        typer.Option(
-            help="With --from: its upper side in the scan. Default: 0,1,0.", metavar="X,Y,Z"
-        ),
+        str | None, option("With --from: its upper side in the scan. Default: 0,1,0.", "X,Y,Z")
     ] = None,
     acceptance_ratio: Annotated[
         float | None,
-        typer.Option(
-            help="With --from: acceptance over interommatidial angle. Default: 1.",
-            metavar="RATIO",
-            callback=above_zero,
+        option(
+            "With --from: acceptance over interommatidial angle. Default: 1.", "RATIO", above_zero
         ),
     ] = None,
     acceptance_deg: Annotated[
-        float | None,
-        typer.Option(
-            help="With --from: one acceptance angle for all.",
-            metavar="DEG",
-            callback=acceptance_angle,
-        ),
+        float | None, option("With --from: one acceptance angle for all.", "DEG", acceptance_angle)
     ] = None,
     allow_unmatched: Annotated[
-        bool,
-        typer.Option("--allow-unmatched", help="Leave out lenses and cones that have no partner."),
+        bool, switch("--allow-unmatched", "Leave out lenses and cones that have no partner.")
     ] = False,
-    head: Annotated[
-        str | None,
-        typer.Option(help="Head of an OCES file, by name or number.", metavar="NAME"),
-    ] = None,
+    head: Annotated[str | None, option("Head of an OCES file, by name or number.", "NAME")] = None,
     degrees: Annotated[
-        bool, typer.Option("--degrees", help="Acceptance angles of the .eye file are degrees.")
+        bool, switch("--degrees", "Acceptance angles of the .eye file are degrees.")
     ] = False,
     lossy: Annotated[
-        bool, typer.Option("--lossy", help="Write an .eye file although it loses something.")
+        bool, switch("--lossy", "Write an .eye file although it loses something.")
     ] = False,
     unit: UnitOption = "mm",
 ) -> None:
@@ -123,9 +107,9 @@ def convert(
         "--acceptance-deg": acceptance_deg,
         "--allow-unmatched": allow_unmatched or None,
     }
-    for option, value in measured.items():
+    for name, value in measured.items():
         if source is None and value is not None:
-            raise Error(f"convert: {option} is for measurements (--from)")
+            raise Error(f"convert: {name} is for measurements (--from)")
     if source is not None and (head is not None or degrees):
         raise Error("convert: --head and --degrees are for eye files, not for measurements")
     if (source == "lens-cone") != (cones is not None):
@@ -142,8 +126,8 @@ def convert(
         else:
             options = {
                 "unit": scan_unit or ("um" if source == "oda" else None),
-                "ahead": _vector("--ahead", ahead or "0,0,-1"),
-                "up": _vector("--up", up or "0,1,0"),
+                "ahead": numbers_of("--ahead", ahead or "0,0,-1", 3),
+                "up": numbers_of("--up", up or "0,1,0", 3),
                 "acceptance_ratio": 1.0 if acceptance_ratio is None else acceptance_ratio,
                 "acceptance_angle_rad": None
                 if acceptance_deg is None
@@ -179,13 +163,3 @@ def _read(path: Path, unit: str, head: str | None, degrees: bool) -> tuple[Eye, 
         return load_eye(path, unit, head=head), ()
     converted = convert_eye(path, unit, degrees=degrees)
     return converted.eye, converted.notes
-
-
-def _vector(option: str, text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(word) for word in text.split(","))
-    except ValueError:
-        raise Error(
-            f"{option}: expected three numbers with commas between, found {text!r:.60}"
-        ) from None
-    return x, y, z

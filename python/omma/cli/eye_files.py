@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import typer
 
 from omma._core import Eye
 from omma.base.files import check_ending
+from omma.cli.parameters import argument, option, out
 from omma.cli.working import check_outputs, say, warn
 from omma.eye.change import pair_of_eyes, place_on_head
 from omma.eye.files import EYE_SUFFIXES, eye_file_losses, save_eye
@@ -23,25 +23,13 @@ def eye_target(path: Path | None) -> Path | None:
     return path
 
 
-EyeArgument = Annotated[Path, typer.Argument(help="Eye file.", metavar="EYE")]
-EyesArgument = Annotated[
-    list[Path], typer.Argument(help="Eye file; several make one head.", metavar="EYE")
-]
+EyeArgument = Annotated[Path, argument("Eye file.", "EYE")]
+EyesArgument = Annotated[list[Path], argument("Eye file; several make one head.", "EYE")]
 OutOption = Annotated[
-    Path,
-    typer.Option(
-        "-o",
-        "--output",
-        help="Eye file to write: .csv, .gltf, .glb or .eye.",
-        metavar="OUT",
-        callback=eye_target,
-    ),
+    Path, out("Eye file to write: .csv, .gltf, .glb or .eye.", callback=eye_target)
 ]
 UnitOption = Annotated[
-    str,
-    typer.Option(
-        help="Unit of lengths in .eye files: mm, um, m or a number of metres.", metavar="UNIT"
-    ),
+    str, option("Unit of lengths in .eye files: mm, um, m or a number of metres.", "UNIT")
 ]
 
 

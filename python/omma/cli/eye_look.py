@@ -10,15 +10,16 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from omma._core import Error, Eye, merge_eyes
+from omma._core import Error
 from omma.base.arguments import as_named
 from omma.base.figures import figure_names
 from omma.base.files import WholeFiles, check_ending
 from omma.cli.eye_files import EyesArgument
 from omma.cli.numbers import finite
 from omma.cli.options import EyeUnitOption
+from omma.cli.parameters import argument, option, out, switch
 from omma.cli.working import check_outputs, readable, say, working
-from omma.eye.files import load_eye
+from omma.eye.files import load_head
 from omma.eye.measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
 from omma.eye.report import SPREADS, eye_summary, save_eye_table
 from omma.picture.acceptance_plots import Chosen, plot_acceptance
@@ -78,16 +79,10 @@ def add_look_commands(app: typer.Typer) -> None:
 
 def info(
     eye: EyesArgument,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Table of all ommatidia, .csv.", metavar="OUT"),
-    ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="The summary as JSON.", metavar="OUT")
-    ] = None,
+    output: Annotated[Path | None, out("Table of all ommatidia, .csv.")] = None,
+    json_file: Annotated[Path | None, option("The summary as JSON.", "OUT", name="--json")] = None,
     map_file: Annotated[
-        Path | None,
-        typer.Option("--map", help="Maps of Δφ, Δρ and more: .pdf, .svg or .png.", metavar="OUT"),
+        Path | None, option("Maps of Δφ, Δρ and more: .pdf, .svg or .png.", "OUT", name="--map")
     ] = None,
     unit: EyeUnitOption = "mm",
 ) -> None:
@@ -119,56 +114,39 @@ def info(
 
 
 def plot(
-    output: Annotated[
-        list[Path],
-        typer.Option(
-            "-o", "--output", help="Figure to write: .pdf, .svg, .png. May be repeated.",
-            metavar="OUT",
-        ),
-    ],
-    eye: Annotated[
-        list[Path] | None,
-        typer.Argument(help="Eye file; several make one head.", metavar="EYE"),
-    ] = None,
-    species: Annotated[
-        str | None, typer.Option(help="An animal of omma.species instead.", metavar="NAME")
-    ] = None,
-    what: Annotated[
-        Literal["3d", "map", "acceptance", "poster"], typer.Option(help="Which figure.")
-    ] = "3d",
+    output: Annotated[list[Path], out("Figure to write: .pdf, .svg, .png. May be repeated.")],
+    eye: Annotated[list[Path] | None, argument("Eye file; several make one head.", "EYE")] = None,
+    species: Annotated[str | None, option("An animal of omma.species instead.", "NAME")] = None,
+    what: Annotated[Literal["3d", "map", "acceptance", "poster"], option("Which figure.")] = "3d",
     prop: Annotated[
         list[str] | None,
-        typer.Option(
-            "--property", help="What colours mean; for maps, may be repeated. Default: Δφ, for "
-            "maps all that are known.", metavar="PROPERTY",
+        option(
+            "What colours mean; for maps, may be repeated. Default: Δφ, for "
+            "maps all that are known.",
+            "PROPERTY",
+            name="--property",
         ),
     ] = None,
     projection: Annotated[
-        Literal["mercator", "mollweide", "lambert"], typer.Option(help="Of maps.")
+        Literal["mercator", "mollweide", "lambert"], option("Of maps.")
     ] = "mollweide",
     ommatidium: Annotated[
         list[str] | None,
-        typer.Option(
-            help="For acceptance: an index, or the azimuth and elevation (degrees) of one. May be "
-            "repeated. Default: those of least, median and large Δφ.", metavar="INDEX|AZ,EL",
+        option(
+            "For acceptance: an index, or the azimuth and elevation (degrees) of one. May be "
+            "repeated. Default: those of least, median and large Δφ.",
+            "INDEX|AZ,EL",
         ),
     ] = None,
-    yaw: Annotated[
-        float, typer.Option(help="Azimuth to look from, degrees.", metavar="DEG", callback=finite)
-    ] = 0.0,
-    pitch: Annotated[
-        float, typer.Option(help="Elevation to look from, degrees.", metavar="DEG", callback=finite)
-    ] = 0.0,
+    yaw: Annotated[float, option("Azimuth to look from, degrees.", "DEG", finite)] = 0.0,
+    pitch: Annotated[float, option("Elevation to look from, degrees.", "DEG", finite)] = 0.0,
     style: Annotated[
-        Literal["facets", "axes", "both"],
-        typer.Option(help="3d: facets, lines along the axes, or both."),
+        Literal["facets", "axes", "both"], option("3d: facets, lines along the axes, or both.")
     ] = "facets",
-    back: Annotated[bool, typer.Option("--back", help="3d: what faces away too.")] = False,
-    title: Annotated[
-        str | None, typer.Option(help="Title. Default: the file's name.", metavar="TEXT")
-    ] = None,
+    back: Annotated[bool, switch("--back", "3d: what faces away too.")] = False,
+    title: Annotated[str | None, option("Title. Default: the file's name.", "TEXT")] = None,
     unit: EyeUnitOption = "mm",
-) -> None:  # fmt: skip
+) -> None:
     """Make a figure of an eye."""
     names = figure_names(output)
     check_outputs(*output)
@@ -215,12 +193,6 @@ def _chosen(text: str) -> Chosen:
         raise Error(
             f"--ommatidium: expected an index or azimuth,elevation, found {text!r:.60}"
         ) from None
-
-
-def load_head(paths: list[Path], unit: str) -> Eye:
-    """The eye of a file, or the head of several."""
-    eyes = [load_eye(path, unit) for path in paths]
-    return eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
 
 
 def _print_summary(name: str, summary: dict[str, Any]) -> None:

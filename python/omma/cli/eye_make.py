@@ -1,4 +1,4 @@
-"""``omma eye make``, ``mirror``, ``place``, ``scale`` and ``join``: eyes made and put together."""
+"""``omma eye make``: a lattice of ommatidia over a surface."""
 
 from __future__ import annotations
 
@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 from omma._core import Error
 from omma.base.arguments import as_named
 from omma.base.files import check_target
-from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, clear_of_midline, head_of, save
-from omma.cli.numbers import above_zero, angle, finite
+from omma.cli.eye_files import OutOption, UnitOption, clear_of_midline, head_of, save
+from omma.cli.numbers import above_zero, angle, finite, numbers_of
+from omma.cli.parameters import option, switch
 from omma.cli.working import working
 from omma.eye.angles import acute_angle, load_angle_table, window
-from omma.eye.change import join_eyes, mirror_eye, place_on_head, rescale_eye
 from omma.eye.design import AcuteZone, acute_zones
 from omma.eye.facets import acceptance_from_facets
-from omma.eye.files import load_eye
 from omma.eye.lattice import Angle, lay_directions
 from omma.eye.on_surface import eye_on_surface, lay_on_surface
 from omma.eye.skew import squeeze_for_skew, squeezed
@@ -61,54 +60,10 @@ Facets of 20 µm over a mesh, with rhabdoms of 2 µm behind lenses of F-number 2
 `omma eye make --mesh eye.stl --facet-um 20 --rhabdom-um 2 --f-number 2 -o eye.csv`
 """
 
-MIRROR_HELP = """
-Mirror an eye, left for right.
 
-**Examples**
-
-`omma eye mirror right.csv -o left.csv`
-
-Both, as one head:
-
-`omma eye mirror right.csv --pair -o head.csv`
-"""
-
-PLACE_HELP = """
-Put an eye on a head: turn it about its origin, by yaw (to the right), then pitch (upwards), then
-roll, and move it.
-
-**Examples**
-
-`omma eye place eye.csv --position-mm 1.2 0.1 0 --yaw 60 -o right.csv`
-"""
-
-SCALE_HELP = """
-Make an eye larger or smaller: positions, focal offsets, facets; not angles.
-
-**Examples**
-
-`omma eye scale honeybee.csv --factor 2 -o large.csv`
-
-`omma eye scale 1000.eye --mean-radius-mm 0.1 -o small.eye`
-"""
-
-JOIN_HELP = """
-Put several eyes into one head, in the order given. Eyes of the files are kept apart where the
-format holds that, as .csv and .gltf do.
-
-**Examples**
-
-`omma eye join left.eye right.eye -o head.csv`
-"""
-
-
-def add_make_commands(eye_app: typer.Typer) -> None:
-    """The commands of this file."""
+def add_make_command(eye_app: typer.Typer) -> None:
+    """Adds ``make`` to the commands of ``omma eye``."""
     eye_app.command(help=MAKE_HELP, short_help="Make an eye.")(make)
-    eye_app.command(help=MIRROR_HELP, short_help="Mirror an eye, left for right.")(mirror)
-    eye_app.command(help=PLACE_HELP, short_help="Put an eye on a head.")(place)
-    eye_app.command(help=SCALE_HELP, short_help="Make an eye larger or smaller.")(scale)
-    eye_app.command(help=JOIN_HELP, short_help="Put several eyes into one head.")(join)
 
 
 def make(
@@ -117,129 +72,98 @@ def make(
         int | None, typer.Argument(help="Number of ommatidia.", metavar="N", show_default=False)
     ] = None,
     dphi: Annotated[
-        float | None,
-        typer.Option(help="Angle between neighbours, in degrees.", metavar="DEG", callback=angle),
+        float | None, option("Angle between neighbours, in degrees.", "DEG", angle)
     ] = None,
     dphi_vertical: Annotated[
-        float | None,
-        typer.Option(
-            help="The same between those above each other.", metavar="DEG", callback=angle
-        ),
+        float | None, option("The same between those above each other.", "DEG", angle)
     ] = None,
-    field: Annotated[
-        Path | None, typer.Option(help="CSV table of these angles.", metavar="FILE")
-    ] = None,
+    field: Annotated[Path | None, option("CSV table of these angles.", "FILE")] = None,
     acute_zone: Annotated[
         list[str] | None,
-        typer.Option(
-            help="Acute zone: azimuth, elevation and width in degrees, and how many times as "
+        option(
+            "Acute zone: azimuth, elevation and width in degrees, and how many times as "
             "many ommatidia look there. May be repeated.",
-            metavar="AZ,EL,WIDTH,FACTOR",
+            "AZ,EL,WIDTH,FACTOR",
         ),
     ] = None,
     acute_band: Annotated[
         list[str] | None,
-        typer.Option(
-            help="Acute zone all around: elevation, width and factor. May be repeated.",
-            metavar="EL,WIDTH,FACTOR",
+        option(
+            "Acute zone all around: elevation, width and factor. May be repeated.",
+            "EL,WIDTH,FACTOR",
         ),
     ] = None,
     streak: Annotated[
         str | None,
-        typer.Option(
-            help="As --acute-band, with smaller angles vertically only.", metavar="EL,WIDTH,FACTOR"
-        ),
+        option("As --acute-band, with smaller angles vertically only.", "EL,WIDTH,FACTOR"),
     ] = None,
     fov: Annotated[
         str | None,
-        typer.Option(
-            help="Field of view: azimuths and elevations, in degrees; azimuths may go beyond 180. "
+        option(
+            "Field of view: azimuths and elevations, in degrees; azimuths may go beyond 180. "
             "Default: all round.",
-            metavar="AZ0,AZ1,EL0,EL1",
+            "AZ0,AZ1,EL0,EL1",
         ),
     ] = None,
     radius_mm: Annotated[
-        float | None,
-        typer.Option(
-            help="Radius of a sphere, in mm. Default: 1.", metavar="MM", callback=above_zero
-        ),
+        float | None, option("Radius of a sphere, in mm. Default: 1.", "MM", above_zero)
     ] = None,
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
-            help="Of an ellipsoid: half its width (right), height and length, in mm.",
-            metavar="X Y Z",
-            callback=above_zero,
+        option(
+            "Of an ellipsoid: half its width (right), height and length, in mm.",
+            "X Y Z",
+            above_zero,
         ),
     ] = None,
     centre_mm: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
-            help="Where its centre is (right, up, back), in mm.", metavar="X Y Z", callback=finite
-        ),
+        option("Where its centre is (right, up, back), in mm.", "X Y Z", finite),
     ] = None,
     mesh: Annotated[
-        Path | None,
-        typer.Option(help="Surface from a file: .gltf, .glb, .obj or .stl.", metavar="FILE"),
+        Path | None, option("Surface from a file: .gltf, .glb, .obj or .stl.", "FILE")
     ] = None,
     facet_um: Annotated[
-        float | None,
-        typer.Option(
-            help="Lay facets this wide over the surface, in µm.", metavar="UM", callback=above_zero
-        ),
+        float | None, option("Lay facets this wide over the surface, in µm.", "UM", above_zero)
     ] = None,
     even_facets: Annotated[
-        bool, typer.Option("--even-facets", help="Lay N facets of one size over the surface.")
+        bool, switch("--even-facets", "Lay N facets of one size over the surface.")
     ] = False,
     skew: Annotated[
         float | None,
-        typer.Option(
-            help="Median angle between axis and surface normal, in degrees: the surface spans "
+        option(
+            "Median angle between axis and surface normal, in degrees: the surface spans "
             "less than the eye sees, around its middle direction.",
-            metavar="DEG",
-            callback=above_zero,
+            "DEG",
+            above_zero,
         ),
     ] = None,
     pair: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--pair",
-            help="Add the mirror image; what is made is the right eye, moved to the right of the "
+            "Add the mirror image; what is made is the right eye, moved to the right of the "
             "midline where no --centre-mm says where it is.",
         ),
     ] = False,
     acceptance_ratio: Annotated[
         float | None,
-        typer.Option(
-            help="Acceptance angle over angle between neighbours. Default: 1.",
-            metavar="RATIO",
-            callback=above_zero,
-        ),
+        option("Acceptance angle over angle between neighbours. Default: 1.", "RATIO", above_zero),
     ] = None,
     airy: Annotated[
-        bool, typer.Option("--airy", help="Acceptance by diffraction at the facets alone.")
+        bool, switch("--airy", "Acceptance by diffraction at the facets alone.")
     ] = False,
     rhabdom_um: Annotated[
         float | None,
-        typer.Option(
-            help="Acceptance by lens and rhabdom: its diameter, in µm.",
-            metavar="UM",
-            callback=above_zero,
-        ),
+        option("Acceptance by lens and rhabdom: its diameter, in µm.", "UM", above_zero),
     ] = None,
     f_number: Annotated[
-        float | None,
-        typer.Option(
-            help="Of the lenses: focal length over diameter.", metavar="F", callback=above_zero
-        ),
+        float | None, option("Of the lenses: focal length over diameter.", "F", above_zero)
     ] = None,
     wavelength_nm: Annotated[
-        float,
-        typer.Option(
-            help="Wavelength for --airy and --rhabdom-um.", metavar="NM", callback=above_zero
-        ),
+        float, option("Wavelength for --airy and --rhabdom-um.", "NM", above_zero)
     ] = 500.0,
-    seed: Annotated[int, typer.Option(help="Seed of the arrangement.", metavar="N")] = 0,
+    seed: Annotated[int, option("Seed of the arrangement.", "N")] = 0,
     unit: UnitOption = "mm",
 ) -> None:
     """Make an eye."""
@@ -311,83 +235,6 @@ def make(
         save(output, eye, unit)
 
 
-def mirror(
-    eye: EyeArgument,
-    output: OutOption,
-    pair: Annotated[
-        bool, typer.Option("--pair", help="Write both: the image as the left eye, then this one.")
-    ] = False,
-    unit: UnitOption = "mm",
-) -> None:
-    """Mirror an eye, left for right."""
-    with working():
-        given = load_eye(eye, unit)
-        save(output, head_of(given) if pair else mirror_eye(given), unit)
-
-
-def place(
-    eye: EyeArgument,
-    output: OutOption,
-    position_mm: Annotated[
-        tuple[float, float, float],
-        typer.Option(
-            help="Where its origin goes (right, up, back), in mm.", metavar="X Y Z", callback=finite
-        ),
-    ] = (0.0, 0.0, 0.0),
-    yaw: Annotated[
-        float, typer.Option(help="To the right, in degrees.", metavar="DEG", callback=finite)
-    ] = 0.0,
-    pitch: Annotated[
-        float, typer.Option(help="Upwards, in degrees.", metavar="DEG", callback=finite)
-    ] = 0.0,
-    roll: Annotated[
-        float, typer.Option(help="Right side down, in degrees.", metavar="DEG", callback=finite)
-    ] = 0.0,
-    unit: UnitOption = "mm",
-) -> None:
-    """Put an eye on a head."""
-    with working():
-        position_m = [length / 1e3 for length in position_mm]
-        turned = place_on_head(
-            load_eye(eye, unit), position_m, yaw_deg=yaw, pitch_deg=pitch, roll_deg=roll
-        )
-        save(output, turned, unit)
-
-
-def scale(
-    eye: EyeArgument,
-    output: OutOption,
-    factor: Annotated[
-        float | None, typer.Option(help="Times as large.", metavar="FACTOR", callback=above_zero)
-    ] = None,
-    mean_radius_mm: Annotated[
-        float | None,
-        typer.Option(
-            help="Mean distance from the origin to come to, in mm.",
-            metavar="MM",
-            callback=above_zero,
-        ),
-    ] = None,
-    unit: UnitOption = "mm",
-) -> None:
-    """Make an eye larger or smaller."""
-    if (factor is None) == (mean_radius_mm is None):
-        raise Error("scale: expected either --factor or --mean-radius-mm")
-    with working():
-        radius_m = None if mean_radius_mm is None else mean_radius_mm / 1e3
-        save(output, rescale_eye(load_eye(eye, unit), factor, mean_radius_m=radius_m), unit)
-
-
-def join(
-    eyes: Annotated[list[Path], typer.Argument(help="Eye files.", metavar="EYE")],
-    output: OutOption,
-    unit: UnitOption = "mm",
-) -> None:
-    """Put several eyes into one head."""
-    with working():
-        save(output, join_eyes([load_eye(path, unit) for path in eyes]), unit)
-
-
 def _surface(
     radius_mm: float | None,
     semi_axes_mm: tuple[float, float, float] | None,
@@ -429,7 +276,7 @@ def _angles(
 
 
 def _window(text: str) -> Callable[[NDArray[np.float64]], NDArray[np.bool_]]:
-    left, right, low, high = _numbers("--fov", text, 4)
+    left, right, low, high = numbers_of("--fov", text, 4)
     try:
         return window((left, right), (low, high))
     except Error as error:
@@ -437,7 +284,7 @@ def _window(text: str) -> Callable[[NDArray[np.float64]], NDArray[np.bool_]]:
 
 
 def _zone(option: str, text: str, count: int) -> AcuteZone:
-    *azimuth, elevation, width, factor = _numbers(option, text, count)
+    *azimuth, elevation, width, factor = numbers_of(option, text, count)
     if not (width > 0 and factor > 0):
         raise Error(f"{option}: expected width and factor above 0, found {text!r:.60}")
     return AcuteZone(
@@ -447,13 +294,3 @@ def _zone(option: str, text: str, count: int) -> AcuteZone:
         factor,
         band=not azimuth,
     )
-
-
-def _numbers(option: str, text: str, count: int) -> list[float]:
-    try:
-        values = [float(word) for word in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count:
-        raise Error(f"{option}: expected {count} numbers with commas between, found {text!r:.60}")
-    return values

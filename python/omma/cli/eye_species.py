@@ -13,6 +13,7 @@ from omma import species
 from omma._core import Error
 from omma.base.arguments import as_named
 from omma.base.files import WholeFiles, check_ending
+from omma.cli.parameters import argument, option, out, switch
 from omma.cli.working import check_outputs, say, working
 from omma.eye.files import EYE_SUFFIXES, save_eye
 from omma.species.facts import printed
@@ -54,23 +55,18 @@ def add_species_command(app: typer.Typer) -> None:
 
 
 def species_command(
-    name: Annotated[str | None, typer.Argument(help="The animal.", metavar="NAME")] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Eye file to write: .csv, .glb, .eye.", metavar="OUT"),
-    ] = None,
+    name: Annotated[str | None, argument("The animal.", "NAME")] = None,
+    output: Annotated[Path | None, out("Eye file to write: .csv, .glb, .eye.")] = None,
     facts: Annotated[
-        Path | None,
-        typer.Option("--facts", help="Write the table of numbers: .csv or .md.", metavar="OUT"),
+        Path | None, option("Write the table of numbers: .csv or .md.", "OUT", name="--facts")
     ] = None,
     lossy: Annotated[
-        bool, typer.Option("--lossy", help="Write an .eye file, which cannot hold all of it.")
+        bool, switch("--lossy", "Write an .eye file, which cannot hold all of it.")
     ] = False,
     assume: Annotated[
         list[str] | None,
-        typer.Option(
-            help="An animal from which numbers are taken that this one lacks; may be repeated.",
-            metavar="NAME",
+        option(
+            "An animal from which numbers are taken that this one lacks; may be repeated.", "NAME"
         ),
     ] = None,
 ) -> None:

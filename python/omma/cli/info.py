@@ -11,6 +11,7 @@ from omma._core import Error
 from omma.base.figures import figure_names
 from omma.cli.help import App
 from omma.cli.options import SceneUpOption, SceneVoxelOption
+from omma.cli.parameters import option, out, switch
 from omma.cli.working import check_outputs, say, working
 from omma.job.info import describe_devices, describe_file
 from omma.picture.capture_plots import plot_capture_cameras
@@ -63,26 +64,21 @@ def info(
     ] = None,
     unit: Annotated[
         str | None,
-        typer.Option(
-            help="Unit of lengths in an .eye file (default: mm), or in a file of meshes, "
+        option(
+            "Unit of lengths in an .eye file (default: mm), or in a file of meshes, "
             "points or splats (default: m): mm, um, m or a number of metres.",
-            metavar="UNIT",
+            "UNIT",
         ),
     ] = None,
     up: SceneUpOption = None,
     voxel_m: SceneVoxelOption = None,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", help="Figure of the cameras of a capture to write: .pdf, .svg, .png.",
-            metavar="OUT",
-        ),
+        Path | None, out("Figure of the cameras of a capture to write: .pdf, .svg, .png.")
     ] = None,
     devices: Annotated[
-        bool,
-        typer.Option("--devices", help="Say what there is to trace rays with instead."),
+        bool, switch("--devices", "Say what there is to trace rays with instead.")
     ] = False,
-) -> None:  # fmt: skip
+) -> None:
     """Say what is in a file."""
     if devices:
         if file is not None:

@@ -6,12 +6,11 @@ from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import typer
-
 from omma._core import Error
 from omma.base.arguments import as_named
 from omma.base.figures import figure_names
 from omma.cli.help import App
+from omma.cli.parameters import option, out
 from omma.cli.working import check_outputs, say, working
 from omma.light.bands import Bands
 from omma.light.lights import Light
@@ -60,47 +59,32 @@ def _light() -> None:
 
 @light_app.command(help=SHOW_HELP, short_help="Draw a sky.")
 def show(
-    output: Annotated[
-        list[Path],
-        typer.Option(
-            "-o", "--output", help="Figure to write: .pdf, .svg, .png. May be repeated.",
-            metavar="OUT",
-        ),
-    ],
+    output: Annotated[list[Path], out("Figure to write: .pdf, .svg, .png. May be repeated.")],
     sun: Annotated[
-        float | None, typer.Option(help="Elevation of the sun or the moon, degrees.", metavar="DEG")
+        float | None, option("Elevation of the sun or the moon, degrees.", "DEG")
     ] = None,
-    azimuth: Annotated[
-        float, typer.Option(help="Its azimuth from north to the east, degrees.", metavar="DEG")
-    ] = 0.0,
+    azimuth: Annotated[float, option("Its azimuth from north to the east, degrees.", "DEG")] = 0.0,
     time: Annotated[
-        str | None,
-        typer.Option(help="Instead: when, such as 2026-06-21T12:00:00+02:00.", metavar="TIME"),
+        str | None, option("Instead: when, such as 2026-06-21T12:00:00+02:00.", "TIME")
     ] = None,
     place: Annotated[
-        str | None,
-        typer.Option(help="And where: latitude and longitude, degrees.", metavar="LAT,LON"),
+        str | None, option("And where: latitude and longitude, degrees.", "LAT,LON")
     ] = None,
     kind: Annotated[
-        Literal["clear", "natural", "moonlit", "overcast"], typer.Option(help="Which sky.")
+        Literal["clear", "natural", "moonlit", "overcast"], option("Which sky.")
     ] = "clear",
-    aerosol: Annotated[
-        float, typer.Option(help="Optical depth of haze at 550 nm.", metavar="DEPTH")
-    ] = 0.1,
-    ozone: Annotated[float, typer.Option(help="Ozone, Dobson units.", metavar="DU")] = 300.0,
-    albedo: Annotated[
-        float, typer.Option(help="What land gives back, 0 to 1.", metavar="ALBEDO")
-    ] = 0.1,
-    height: Annotated[float, typer.Option(help="Of the land above the sea, m.", metavar="M")] = 0.0,
+    aerosol: Annotated[float, option("Optical depth of haze at 550 nm.", "DEPTH")] = 0.1,
+    ozone: Annotated[float, option("Ozone, Dobson units.", "DU")] = 300.0,
+    albedo: Annotated[float, option("What land gives back, 0 to 1.", "ALBEDO")] = 0.1,
+    height: Annotated[float, option("Of the land above the sea, m.", "M")] = 0.0,
     haze_kind: Annotated[
-        Literal["rural", "urban", "maritime", "smoke"], typer.Option(help="Kind of haze.")
+        Literal["rural", "urban", "maritime", "smoke"], option("Kind of haze.")
     ] = "rural",
     wavelength: Annotated[
-        list[float] | None,
-        typer.Option(help="To draw, nm; may be repeated. Default: 350, 440, 550.", metavar="NM"),
+        list[float] | None, option("To draw, nm; may be repeated. Default: 350, 440, 550.", "NM")
     ] = None,
-    unit: Annotated[Literal["photons", "watts"], typer.Option(help="Of light.")] = "photons",
-) -> None:  # fmt: skip
+    unit: Annotated[Literal["photons", "watts"], option("Of light.")] = "photons",
+) -> None:
     """Draw a sky."""
     names = figure_names(output)
     check_outputs(*output)

@@ -4,19 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
 from numpy.typing import ArrayLike
 
-from omma import _core
-from omma._core import Error, Eye, Scene
-from omma.base.arguments import as_named, whole
-from omma.base.figures import load_matplotlib
-from omma.base.files import check_ending
-from omma.base.poses import Matrices, load_poses, poses_from_angles
+from omma._core import Error, Eye
+from omma.base.arguments import whole
+from omma.base.poses import load_poses
 from omma.cli.help import App
+from omma.cli.measure_inputs import (
+    CameraOption,
+    EyeFiles,
+    MeasureOption,
+    Outputs,
+    PointsOption,
+    PositionOption,
+    SceneFile,
+    SeedOption,
+    SensitivityOption,
+    files_to_write,
+    pose_of,
+    renderer_of,
+    say_written,
+    scene_of,
+)
 from omma.cli.numbers import above_zero, not_below_zero
 from omma.cli.options import (
     EyeUnitOption,
@@ -27,15 +40,12 @@ from omma.cli.options import (
     SceneUpOption,
     SceneVoxelOption,
     ThreadsOption,
-    help_of,
     sensitivity_of,
 )
-from omma.cli.working import DelayedBar, check_outputs, say, working
-from omma.eye.files import load_eye
-from omma.rendering.renderer import Renderer
-from omma.rendering.settings import MAX_SAMPLES, PointsName
-from omma.scene.building import BUILDING, READING, stage_of
-from omma.scene.files import load_scene
+from omma.cli.parameters import option, out, switch
+from omma.cli.working import say, working
+from omma.eye.files import load_eye, load_head
+from omma.rendering.settings import MAX_SAMPLES
 from omma.study.plots import (
     save_alias_curves,
     save_minimum_samples,
@@ -50,7 +60,6 @@ from omma.study.variance import (
     Method,
     alias_curve,
     rays_per_ommatidium,
-    scene_renderer,
     solid_angles_sr,
     variance_map,
 )
@@ -116,69 +125,35 @@ The published test has an eye of 1,000 ommatidia of 2.6°. Leave the machine alo
 
 measure_app = App(help=MEASURE_HELP, no_args_is_help=True)
 
-Corner = tuple[float, float, float]
-EyeFiles = Annotated[
-    list[Path], typer.Option("--eye", help="Eye file; several make one head.", metavar="EYE")
-]
-Outputs = Annotated[
-    list[Path] | None,
-    typer.Option("-o", "--output", help="File to write; may be given again.", metavar="OUT"),
-]
-CameraOption = Annotated[
-    str | None, typer.Option(help="Camera of the scene to look from.", metavar="NAME")
-]
-PositionOption = Annotated[
-    tuple[float, float, float] | None,
-    typer.Option(help="Where the head is, in metres; it looks along -Z.", metavar="X Y Z"),
-]
-MeasureOption = Annotated[
-    Literal["linear", "compoundray"],
-    typer.Option(
-        help="Of linear responses, of the channel that scatters most; or as CompoundRay does, of "
-        "8-bit gamma-encoded colours, as distance in RGB."
-    ),
-]
-SensitivityOption = Annotated[
-    Literal["gaussian", "pillbox", "compoundray"], typer.Option(help="Angular sensitivity.")
-]
-PointsOption = Annotated[PointsName, typer.Option(help=help_of("points"))]
-SeedOption = Annotated[int, typer.Option(help=help_of("seed"), metavar="N")]
-
 
 @measure_app.command("min-samples", help=MIN_SAMPLES_HELP, short_help="Rays a scene needs.")
 def min_samples_command(
     scene: SceneArgument,
     box: Annotated[
         tuple[float, float, float, float, float, float] | None,
-        typer.Option(help="Lower and upper corner, m.", metavar="X Y Z X Y Z"),
+        option("Lower and upper corner, m.", "X Y Z X Y Z"),
     ] = None,
     cylinder: Annotated[
         tuple[float, float, float, float, float] | None,
-        typer.Option(
-            help="Middle of the base of an upright cylinder, radius, height, m.",
-            metavar="X Y Z R H",
-        ),
+        option("Middle of the base of an upright cylinder, radius, height, m.", "X Y Z R H"),
     ] = None,
     path: PathOption = None,
     eye: Annotated[
-        list[Path] | None,
-        typer.Option(help="Say the rays per ommatidium for this eye too.", metavar="EYE"),
+        list[Path] | None, option("Say the rays per ommatidium for this eye too.", "EYE")
     ] = None,
     unit: EyeUnitOption = "mm",
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
     scene_voxel_m: SceneVoxelOption = None,
-    fraction: Annotated[
-        float, typer.Option(help="Standard deviation over full scale.", metavar="SHARE")
-    ] = 0.01,
+    fraction: Annotated[float, option("Standard deviation over full scale.", "SHARE")] = 0.01,
     measure: MeasureOption = "linear",
-    poses: Annotated[int, typer.Option(help="Poses tried before refining.", metavar="N")] = 4096,
+    poses: Annotated[int, option("Poses tried before refining.", "N")] = 4096,
     seed: SeedOption = 0,
     threads: ThreadsOption = 0,
     output: Outputs = None,
 ) -> None:
     """Find the rays per steradian that a scene needs."""
-    write = _check_outputs(output, ".csv", ".png")
+    write = files_to_write(output, ".csv", ".png")
     given = [box is not None, cylinder is not None, path is not None]
     if sum(given) != 1:
         raise Error("where: expected one of --box, --cylinder and --path")
@@ -190,7 +165,7 @@ def min_samples_command(
             where = Cylinder(cylinder[:3], *cylinder[3:])
         else:
             where = load_poses(path)  # type: ignore[arg-type]
-        world = _open(_SceneFile(scene, scene_unit, scene_up, scene_voxel_m), threads, bar)
+        world = renderer_of(SceneFile(scene, scene_unit, scene_up, scene_voxel_m), threads, bar)
         eyes = [(name, load_eye(name, unit)) for name in eye or ()]
         found = [
             minimum_samples(
@@ -210,45 +185,37 @@ def min_samples_command(
             save_minimum_samples(name, found)
     for one in found:
         say(*_search_lines(one, eyes), "")
-    _say_written(write)
+    say_written(write)
 
 
 @measure_app.command("variance-map", help=MAP_HELP, short_help="Map of the variance of the light.")
 def variance_map_command(
     scene: SceneArgument,
-    centre: Annotated[
-        tuple[float, float, float], typer.Option(help="Middle of the square, m.", metavar="X Y Z")
-    ],
-    size: Annotated[
-        float, typer.Option(help="Side of the square, m.", metavar="M", callback=above_zero)
-    ],
-    output: Annotated[
-        list[Path], typer.Option("-o", "--output", help=".npy, .csv or .png.", metavar="OUT")
-    ],
+    centre: Annotated[tuple[float, float, float], option("Middle of the square, m.", "X Y Z")],
+    size: Annotated[float, option("Side of the square, m.", "M", above_zero)],
+    output: Annotated[list[Path], out(".npy, .csv or .png.")],
     scene_unit: SceneUnitOption = None,
     scene_up: SceneUpOption = None,
     scene_voxel_m: SceneVoxelOption = None,
-    steps: Annotated[int, typer.Option(help="Cells along a side.", metavar="N")] = 21,
-    statistic: Annotated[
-        Literal["max", "mean"], typer.Option(help="Of the twelve ommatidia.")
-    ] = "max",
+    steps: Annotated[int, option("Cells along a side.", "N")] = 21,
+    statistic: Annotated[Literal["max", "mean"], option("Of the twelve ommatidia.")] = "max",
     variance: Annotated[
-        bool, typer.Option("--variance", help="Write variances, not standard deviations.")
+        bool, switch("--variance", "Write variances, not standard deviations.")
     ] = False,
     measure: MeasureOption = "linear",
     angular_sensitivity: SensitivityOption = "compoundray",
     kernel: OldKernelOption = None,
     points: PointsOption = "random",
     rays: Annotated[int, typer.Option(help="Rays per estimate.", metavar="N", min=1)] = 1,
-    repeats: Annotated[int, typer.Option(help="Estimates per ommatidium.", metavar="N")] = 1024,
+    repeats: Annotated[int, option("Estimates per ommatidium.", "N")] = 1024,
     seed: SeedOption = 0,
     threads: ThreadsOption = 0,
 ) -> None:
     """Map how much the light varies."""
-    write = _check_outputs(output, ".npy", ".csv", ".png")
+    write = files_to_write(output, ".npy", ".csv", ".png")
     with working() as bar:
         found = variance_map(
-            _open(_SceneFile(scene, scene_unit, scene_up, scene_voxel_m), threads, bar),
+            renderer_of(SceneFile(scene, scene_unit, scene_up, scene_voxel_m), threads, bar),
             centre,
             size,
             steps=steps,
@@ -274,7 +241,7 @@ def variance_map_command(
     deviations = np.sqrt(found)
     say(f"cells      {steps} x {steps}, {size / steps:.4g} m wide, at y = {centre[1]:g} m")
     say(f"deviation  {deviations.min():.4g} to {deviations.max():.4g}, {measure}")
-    _say_written(write)
+    say_written(write)
 
 
 @measure_app.command("aliasing", help=ALIASING_HELP, short_help="Scatter of an eye's responses.")
@@ -287,20 +254,20 @@ def aliasing_command(
     scene_voxel_m: SceneVoxelOption = None,
     camera: CameraOption = None,
     position: PositionOption = None,
-    most_rays: Annotated[int, typer.Option(help="Largest number of rays.", metavar="N")] = 512,
-    repeats: Annotated[int, typer.Option(help="Estimates per response.", metavar="N")] = 64,
+    most_rays: Annotated[int, option("Largest number of rays.", "N")] = 512,
+    repeats: Annotated[int, option("Estimates per response.", "N")] = 64,
     measure: MeasureOption = "linear",
     seed: SeedOption = 0,
     threads: ThreadsOption = 0,
     output: Outputs = None,
 ) -> None:
     """Measure how far the responses of an eye scatter."""
-    write = _check_outputs(output, ".csv", ".png")
+    write = files_to_write(output, ".csv", ".png")
     rays = [2**k for k in range(max(1, most_rays).bit_length())]
     with working() as bar:
-        read = _SceneFile(scene, scene_unit, scene_up, scene_voxel_m)
-        world, head = _open(read, threads, bar), _head(eye, unit)
-        pose = _pose(world.scene, camera, position)
+        read = SceneFile(scene, scene_unit, scene_up, scene_voxel_m)
+        world, head = renderer_of(read, threads, bar), load_head(eye, unit)
+        pose = pose_of(world.scene, camera, position)
         curves = {
             method: alias_curve(
                 world,
@@ -322,7 +289,7 @@ def aliasing_command(
     say(f"{'rays':>6}  {'CompoundRay':>12}  {'Omma':>12}")
     for n, theirs, ours in zip(rays, curves[COMPOUNDRAY][1], curves[OURS][1], strict=True):
         say(f"{n:>6}  {theirs:12.5g}  {ours:12.5g}")
-    _say_written(write)
+    say_written(write)
 
 
 @measure_app.command("speed", help=SPEED_HELP, short_help="Frames/s against rays.")
@@ -336,12 +303,10 @@ def speed_command(
     camera: CameraOption = None,
     position: PositionOption = None,
     rays: Annotated[
-        str, typer.Option(help="Rays per ommatidium, separated by commas.", metavar="N,N,...")
+        str, option("Rays per ommatidium, separated by commas.", "N,N,...")
     ] = "1,3,10,30,100,300,1000,3200",
-    frames: Annotated[int, typer.Option(help="Frames timed for each.", metavar="N")] = 100,
-    warm_up: Annotated[
-        float, typer.Option(help="Seconds to warm up.", metavar="S", callback=not_below_zero)
-    ] = 10.0,
+    frames: Annotated[int, option("Frames timed for each.", "N")] = 100,
+    warm_up: Annotated[float, option("Seconds to warm up.", "S", not_below_zero)] = 10.0,
     angular_sensitivity: SensitivityOption = "gaussian",
     kernel: OldKernelOption = None,
     points: PointsOption = "low_discrepancy",
@@ -349,18 +314,18 @@ def speed_command(
     output: Outputs = None,
 ) -> None:
     """Time frames against rays per ommatidium."""
-    write = _check_outputs(output, ".csv", ".png")
+    write = files_to_write(output, ".csv", ".png")
     try:
         counts = [whole(int(part), "rays", 1, MAX_SAMPLES) for part in rays.split(",")]
     except ValueError:
         raise Error(f"rays: expected whole numbers separated by commas, found '{rays}'") from None
     with working() as bar:
-        world = _read(_SceneFile(scene, scene_unit, scene_up, scene_voxel_m), bar)
-        head = _head(eye, unit)
+        world = scene_of(SceneFile(scene, scene_unit, scene_up, scene_voxel_m), bar)
+        head = load_head(eye, unit)
         found = measure_speed(
             world,
             head,
-            _pose(world, camera, position),
+            pose_of(world, camera, position),
             counts,
             frames=frames,
             warm_up_s=warm_up,
@@ -375,61 +340,7 @@ def speed_command(
     say(f"{'rays':>6}  {'frames/s':>10}  {'in one call':>11}")
     for n, alone, batch in zip(counts, found.frames_per_s, found.batch_frames_per_s, strict=True):
         say(f"{n:>6}  {alone:>10,.1f}  {batch:>11,.1f}")
-    _say_written(write)
-
-
-class _SceneFile(NamedTuple):
-    """A scene's file and how it is read."""
-
-    path: Path
-    unit: str | None
-    up: str | None
-    voxel_m: float | None
-
-
-def _read(scene: _SceneFile, bar: DelayedBar) -> Scene:
-    with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
-        return load_scene(
-            scene.path,
-            unit=scene.unit,
-            up=scene.up,
-            voxel_m=scene.voxel_m,
-            progress=bar.fraction_of(READING),
-        )
-
-
-def _open(scene: _SceneFile, threads: int, bar: DelayedBar) -> Renderer:
-    """A renderer of the scene, to make others from."""
-    world = _read(scene, bar)
-    return scene_renderer(world, threads, stage_of(bar.show, BUILDING))
-
-
-def _head(files: Sequence[Path], unit: str) -> Eye:
-    eyes = [load_eye(name, unit) for name in files]
-    return eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
-
-
-def _pose(scene: Scene, camera: str | None, position: Corner | None) -> Matrices:
-    """Position of the head, else that of a camera, else of the scene's first, else the origin.
-
-    Without the camera's scale: `--unit` says how large the eye is.
-    """
-    if position is not None:
-        return poses_from_angles(position, (0, 0, 0))
-    node = scene.camera(camera) if camera is not None else next(iter(scene.cameras), None)
-    pose = np.eye(4) if node is None else node.world_from_camera.copy()
-    pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
-    return pose[None]
-
-
-def _check_outputs(outputs: list[Path] | None, *known: str) -> list[Path]:
-    """The files to write; an error now, not after minutes of work."""
-    for name in outputs or ():
-        check_ending(name, *known)
-        if name.suffix.lower() == ".png":
-            load_matplotlib()
-    check_outputs(*(outputs or ()))
-    return outputs or []
+    say_written(write)
 
 
 def _search_lines(found: MinimumSamples, eyes: Sequence[tuple[Path, Eye]]) -> list[str]:
@@ -454,8 +365,3 @@ def _search_lines(found: MinimumSamples, eyes: Sequence[tuple[Path, Eye]]) -> li
         widest = solid_angles_sr(eye).max()
         lines.append(("eye", f"{name}: {count:,} rays per ommatidium (widest {widest:.4g} sr)"))
     return [f"{what:<10} {value}" for what, value in lines]
-
-
-def _say_written(names: Sequence[Path]) -> None:
-    for name in names:
-        say(f"wrote      {name}")

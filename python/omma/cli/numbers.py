@@ -37,6 +37,17 @@ def finite(option: typer.CallbackParam, value: Any) -> Any:
     return _checked(option, value, "finite numbers", lambda number: True)
 
 
+def numbers_of(option: str, text: str, count: int) -> list[float]:
+    """So many numbers, typed with commas between."""
+    try:
+        values = [float(word) for word in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise Error(f"{option}: expected {count} numbers with commas between, found {text!r:.60}")
+    return values
+
+
 def _checked(
     option: typer.CallbackParam, value: Any, expected: str, holds: Callable[[float], bool]
 ) -> Any:

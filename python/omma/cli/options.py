@@ -15,6 +15,7 @@ import typer
 
 from omma._core import Error
 from omma.base.arguments import one_of
+from omma.cli.parameters import argument, option
 from omma.cli.working import warn
 from omma.rendering.settings import (
     AngularSensitivityName,
@@ -33,119 +34,109 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 SceneArgument = Annotated[
     Path,
-    typer.Argument(
-        help="Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, "
-        ".pts; Gaussian splats: .ply, .spz.",
-        metavar="SCENE",
+    argument(
+        "Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, .pts; "
+        "Gaussian splats: .ply, .spz.",
+        "SCENE",
     ),
 ]
 SceneUnitOption = Annotated[
     str | None,
-    typer.Option(
-        help="Unit of lengths in the scene's file: mm, um, m (the default) or a number of metres.",
-        metavar="UNIT",
+    option(
+        "Unit of lengths in the scene's file: mm, um, m (the default) or a number of metres.",
+        "UNIT",
     ),
 ]
 SceneUpOption = Annotated[
     str | None,
-    typer.Option(
-        help="Axis that is up in the scene's file: y, z, or -y where y points down. Default: y, in "
+    option(
+        "Axis that is up in the scene's file: y, z, or -y where y points down. Default: y, in "
         "files of points but .ply z, in .ply files of Gaussian splats -y.",
-        metavar="AXIS",
+        "AXIS",
     ),
 ]
 SceneVoxelOption = Annotated[
     float | None,
-    typer.Option(
-        help="Of points of a scan: side of the cells of a grid, in metres, in each of which their "
+    option(
+        "Of points of a scan: side of the cells of a grid, in metres, in each of which their "
         "mean is one disc. Default: each point is one.",
-        metavar="METRES",
+        "METRES",
     ),
 ]
 CaptureCamerasOption = Annotated[
     Path | None,
-    typer.Option(
-        help="Where the photographs were taken from of which the scene was made: a folder of "
+    option(
+        "Where the photographs were taken from of which the scene was made: a folder of "
         "COLMAP, transforms.json, cameras.json. Responses come with how near the nearest was: "
         "camera_distance and camera_angle.",
-        metavar="FILE",
+        "FILE",
     ),
 ]
 CaptureUnitOption = Annotated[
-    str | None,
-    typer.Option(
-        help="Unit of lengths in --capture-cameras. Default: as --scene-unit.", metavar="UNIT"
-    ),
+    str | None, option("Unit of lengths in --capture-cameras. Default: as --scene-unit.", "UNIT")
 ]
 CaptureUpOption = Annotated[
     str | None,
-    typer.Option(
-        help="Axis that is up in --capture-cameras: y, z or -y. Default: as --scene-up; without "
+    option(
+        "Axis that is up in --capture-cameras: y, z or -y. Default: as --scene-up; without "
         "it, z in transforms.json, else -y.",
-        metavar="AXIS",
+        "AXIS",
     ),
 ]
 
 EyeUnitOption = Annotated[
-    str,
-    typer.Option(
-        help="Unit of lengths in eye files: mm, um, m or a number of metres.", metavar="UNIT"
-    ),
+    str, option("Unit of lengths in eye files: mm, um, m or a number of metres.", "UNIT")
 ]
 
 LookAtOption = Annotated[
     tuple[float, float, float] | None,
-    typer.Option(
-        "--look-at", help="Point that the head looks at. Default: along -Z.", metavar="X Y Z"
-    ),
+    option("Point that the head looks at. Default: along -Z.", "X Y Z", name="--look-at"),
 ]
-PathOption = Annotated[
-    Path | None, typer.Option(help="CSV file of poses, one a line.", metavar="CSV")
-]
+PathOption = Annotated[Path | None, option("CSV file of poses, one a line.", "CSV")]
 OnGroundOption = Annotated[
     float | None,
-    typer.Option(
-        "--on-ground",
-        help="Height of the head above the ground, in metres: --path is then a track, a CSV file "
+    option(
+        "Height of the head above the ground, in metres: --path is then a track, a CSV file "
         "with columns [t_s,]x_m,z_m[,heading_deg], and the body pitches and rolls with the ground.",
-        metavar="HEIGHT",
+        "HEIGHT",
+        name="--on-ground",
     ),
 ]
 GroundOption = Annotated[
     list[str] | None,
-    typer.Option(
-        help="With --on-ground: a thing of the scene that is ground; may be given several times. "
+    option(
+        "With --on-ground: a thing of the scene that is ground; may be given several times. "
         "Default: everything is.",
-        metavar="NAME",
+        "NAME",
     ),
 ]
-ThreadsOption = Annotated[int, typer.Option(help="Threads; 0: all.", metavar="N")]
+ThreadsOption = Annotated[int, option("Threads; 0: all.", "N")]
 
 BackgroundOption = Annotated[
     str | None,
-    typer.Option(
-        help="Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
+    option(
+        "Instead of the scene's: linear radiance R,G,B, an equirectangular image file, "
         + " or ".join(NAMED_BACKGROUNDS)
         + ".",
-        metavar="R,G,B|FILE|NAME",
+        "R,G,B|FILE|NAME",
     ),
 ]
 LightOption = Annotated[
     str | None,
-    typer.Option(
-        help="What lights the scene: a sky and its arguments, such as 'clear_sky "
+    option(
+        "What lights the scene: a sky and its arguments, such as 'clear_sky "
         "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md); "
         "lighting=path (the default) follows it for each ray, lighting=baked finds most of it once "
         "and keeps it. Default: no light, surfaces show the colours of the file.",
-        metavar="WORDS",
+        "WORDS",
     ),
 ]
 UnitOption = Annotated[
     str | None,
-    typer.Option(
-        help="Unit of lengths in the eye file: mm, um, m or a number of metres. "
+    option(
+        "Unit of lengths in the eye file: mm, um, m or a number of metres. "
         "Default: mm; for a camera's own eye the scene's unit.",
-        metavar="UNIT",
+        "UNIT",
     ),
 ]
 BackendOption = Annotated[
@@ -168,26 +159,23 @@ DeviceOption = Annotated[
 ]
 WidthOption = Annotated[
     int | None,
-    typer.Option(
-        help="Width of a picture, in pixels; of a panel without its frame. Default: from its "
+    option(
+        "Width of a picture, in pixels; of a panel without its frame. Default: from its "
         "height, or 1024.",
-        metavar="N",
+        "N",
     ),
 ]
-HeightOption = Annotated[
-    int | None,
-    typer.Option(help="Height of a picture. Default: from its width.", metavar="N"),
-]
-GammaOption = Annotated[float, typer.Option(help="Display gamma of a .png.", metavar="GAMMA")]
+HeightOption = Annotated[int | None, option("Height of a picture. Default: from its width.", "N")]
+GammaOption = Annotated[float, option("Display gamma of a .png.", "GAMMA")]
 
 UltravioletOption = Annotated[
     str | None,
-    typer.Option(
-        help="What there is below 400 nm, where RGB says nothing: dark, nothing; as_blue, as much "
+    option(
+        "What there is below 400 nm, where RGB says nothing: dark, nothing; as_blue, as much "
         "as blue; with --light, what surfaces reflect there, from 0 to 1; without it, for "
         "receptors, a mix R,G,B. Default: dark for receptors; with --light it must be said where "
         "it matters.",
-        metavar="dark|as_blue|NUMBER|R,G,B",
+        "dark|as_blue|NUMBER|R,G,B",
     ),
 ]
 
@@ -195,8 +183,7 @@ UltravioletOption = Annotated[
 _NAMES: dict[tuple[type, str], str] = {(Shared, "samples"): "shared"}
 
 OldKernelOption = Annotated[
-    str | None,
-    typer.Option("--kernel", hidden=True, help="The old name of --angular-sensitivity."),
+    str | None, typer.Option("--kernel", hidden=True, help="The old name of --angular-sensitivity.")
 ]
 
 
@@ -285,9 +272,9 @@ def _parameters(ways: Collection[type], without: Collection[str]) -> list[inspec
             of_sampling = kind is not Settings
             declared = option_types(kind)[one.name]
             is_number = of_sampling or declared is int
-            shown = typer.Option(
-                help=one.metadata["help"] + _default(kind),
-                metavar=one.metadata["metavar"] if is_number else None,
+            shown = option(
+                one.metadata["help"] + _default(kind),
+                one.metadata["metavar"] if is_number else None,
             )
             kept: Any = Annotated[declared, shown]
             if of_sampling:

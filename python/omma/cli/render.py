@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from omma._core import Error
 from omma.cli.help import App
 from omma.cli.options import (
@@ -35,6 +33,7 @@ from omma.cli.options import (
     light_and_mix,
     takes_settings,
 )
+from omma.cli.parameters import option, out, switch
 from omma.cli.render_before import RenderCommand
 from omma.cli.report import say_report
 from omma.cli.working import working
@@ -135,19 +134,15 @@ def render(
     scene: SceneArgument,
     output: Annotated[
         list[str],
-        typer.Option(
-            "-o",
-            "--output",
-            help="File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside "
-            "it), .csv or .mp4; may be given several times.",
-            metavar="OUT",
+        out(
+            "File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside "
+            "it), .csv or .mp4; may be given several times."
         ),
     ],
     eye: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="Eye file; several make one head. Default: none, the camera itself is rendered.",
-            metavar="EYE",
+        option(
+            "Eye file; several make one head. Default: none, the camera itself is rendered.", "EYE"
         ),
     ] = None,
     unit: UnitOption = None,
@@ -159,15 +154,14 @@ def render(
     capture_up: CaptureUpOption = None,
     camera: Annotated[
         str | None,
-        typer.Option(
-            help="Camera of the scene to render, or to look from with an eye. Default: the first; "
+        option(
+            "Camera of the scene to render, or to look from with an eye. Default: the first; "
             "without an eye the first compound one, where there is one.",
-            metavar="NAME|INDEX",
+            "NAME|INDEX",
         ),
     ] = None,
     position: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(help="Where the head is, in metres.", metavar="X Y Z"),
+        tuple[float, float, float] | None, option("Where the head is, in metres.", "X Y Z")
     ] = None,
     look_at: LookAtOption = None,
     path: PathOption = None,
@@ -177,16 +171,16 @@ def render(
     light: LightOption = None,
     standard_error: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--standard-error",
-            help="Write standard errors too: 8 times the rays, but none more with --error.",
+            "Write standard errors too: 8 times the rays, but none more with --error.",
         ),
     ] = False,
     receptors: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--receptors",
-            help="Write what the eye's receptors answer: .npy [pose, receptor], and .csv with a "
+            "Write what the eye's receptors answer: .npy [pose, receptor], and .csv with a "
             "line for each pose and receptor.",
         ),
     ] = False,
@@ -197,25 +191,25 @@ def render(
     device: DeviceOption = None,
     projection: Annotated[
         str | None,
-        typer.Option(
-            help="How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
+        option(
+            "How an eye is shown in a .png: " + ", ".join(PROJECTIONS) + "; with _ids added, "
             "numbers of ommatidia. Default: azimuth and elevation in a frame with degrees, hatched "
             "where no ommatidium looks, with eyes whose fields overlap apart; for a camera's own "
             "eye what the camera says.",
-            metavar="NAME",
+            "NAME",
         ),
     ] = None,
     width: WidthOption = None,
     height: HeightOption = None,
     gamma: GammaOption = 2.2,
     side_by_side: Annotated[
-        bool, typer.Option("--side-by-side", help="Paint each eye apart in a .png, always.")
+        bool, switch("--side-by-side", "Paint each eye apart in a .png, always.")
     ] = False,
     resume: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--resume",
-            help="Of a --path: keep what is rendered when cut off (OUT.partial, OUT.resume), and "
+            "Of a --path: keep what is rendered when cut off (OUT.partial, OUT.resume), and "
             "go on from there where that is left of the same inputs.",
         ),
     ] = False,

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from omma.cli.help import App
 from omma.cli.options import ThreadsOption, command_typed
+from omma.cli.parameters import argument, option, out
 from omma.cli.report import say_report
 from omma.cli.working import working
 from omma.job.again import render_like
@@ -38,31 +37,20 @@ again_app = App()
 @again_app.command(help=AGAIN_HELP)
 def render_again(
     file: Annotated[
-        Path,
-        typer.Argument(
-            help="What a render wrote: .zarr, .nc, .parquet, or .npy with its .json.",
-            metavar="FILE",
-        ),
+        Path, argument("What a render wrote: .zarr, .nc, .parquet, or .npy with its .json.", "FILE")
     ],
     output: Annotated[
-        list[str],
-        typer.Option(
-            "-o",
-            "--output",
-            help="File to write, as of omma render; may be given several times.",
-            metavar="OUT",
-        ),
+        list[str], out("File to write, as of omma render; may be given several times.")
     ],
     scene: Annotated[
-        Path | None,
-        typer.Argument(help="Where the scene is now. Default: where it was.", metavar="SCENE"),
+        Path | None, argument("Where the scene is now. Default: where it was.", "SCENE")
     ] = None,
     eye: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="Where the eye file is now; all of them, where there are several. Default: where "
+        option(
+            "Where the eye file is now; all of them, where there are several. Default: where "
             "they were.",
-            metavar="EYE",
+            "EYE",
         ),
     ] = None,
     threads: ThreadsOption = 0,

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from omma._core import Error
 from omma.cli.help import App
 from omma.cli.options import (
@@ -21,6 +19,7 @@ from omma.cli.options import (
     light_and_mix,
     takes_settings,
 )
+from omma.cli.parameters import argument, option, out
 from omma.cli.report import say_cameras
 from omma.cli.working import working
 from omma.job.all_cameras import render_all_cameras
@@ -56,29 +55,24 @@ _DEFAULTS = Settings()
 @cameras_app.command(help=CAMERAS_HELP)
 @takes_settings(ways=(Fixed,), without=("noise",))  # pictures take no others
 def render_cameras(
-    scene: Annotated[Path, typer.Argument(help="Scene: .gltf or .glb.", metavar="SCENE")],
-    output: Annotated[
-        list[str],
-        typer.Option(
-            "-o", "--output", help="Folder to write; made where it is missing.", metavar="FOLDER"
-        ),
-    ],
+    scene: Annotated[Path, argument("Scene: .gltf or .glb.", "SCENE")],
+    output: Annotated[list[str], out("Folder to write; made where it is missing.", "FOLDER")],
     unit: Annotated[
         str | None,
-        typer.Option(
-            help="Unit of lengths in the cameras' eye files: mm, um, m or a number of metres. "
+        option(
+            "Unit of lengths in the cameras' eye files: mm, um, m or a number of metres. "
             "Default: the scene's unit.",
-            metavar="UNIT",
+            "UNIT",
         ),
     ] = None,
     background: BackgroundOption = None,
     light: LightOption = None,
     ultraviolet: Annotated[
         str | None,
-        typer.Option(
-            help="With --light: what surfaces reflect below 400 nm, where RGB says nothing: dark, "
+        option(
+            "With --light: what surfaces reflect below 400 nm, where RGB says nothing: dark, "
             "nothing; as_blue, as much as blue; or a number from 0 to 1.",
-            metavar="dark|as_blue|NUMBER",
+            "dark|as_blue|NUMBER",
         ),
     ] = None,
     settings: Settings = _DEFAULTS,
@@ -87,10 +81,10 @@ def render_cameras(
     device: DeviceOption = None,
     projection: Annotated[
         str | None,
-        typer.Option(
-            help="How eyes are shown: " + ", ".join(PROJECTIONS) + "; with _ids added, numbers of "
+        option(
+            "How eyes are shown: " + ", ".join(PROJECTIONS) + "; with _ids added, numbers of "
             "ommatidia. Default: what each camera says.",
-            metavar="NAME",
+            "NAME",
         ),
     ] = None,
     width: WidthOption = None,

@@ -56,10 +56,7 @@ def _report_lines(report: RenderReport) -> list[str]:
             ("rays", f"{report.rays:,} ({each:,} per ommatidium and pose)"),
         ]
         if report.spent is not None:
-            what[-1:] = [
-                ("rays", report.spent.rays_text()),
-                ("error", report.spent.missed_text()),
-            ]
+            what[-1:] = [("rays", report.spent.rays_text()), ("error", report.spent.missed_text())]
     lines = [
         *what,
         ("speed", f"{report.frames_per_s:,.1f} frames/s, {rate:,.1f} million rays/s"),

@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import typer
 from numpy.typing import NDArray
 
-from omma._core import Error, merge_eyes
+from omma._core import Error
 from omma.base.arguments import as_named
-from omma.base.files import metres_per_unit
 from omma.base.poses import look_at, poses_from_angles
 from omma.cli.help import App
 from omma.cli.options import (
@@ -30,8 +28,9 @@ from omma.cli.options import (
     UnitOption,
     light_and_mix,
 )
+from omma.cli.parameters import option
 from omma.cli.working import Terminated, warn, working
-from omma.eye.files import load_eye
+from omma.eye.files import load_head
 from omma.scene.backgrounds import parse_background
 from omma.scene.building import READING, build_world
 from omma.scene.files import read_scene
@@ -96,10 +95,10 @@ def view(
     scene: SceneArgument,
     eye: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="Eye file; several make one head. Default: the eye that the camera names, or the "
+        option(
+            "Eye file; several make one head. Default: the eye that the camera names, or the "
             "first camera that names one.",
-            metavar="EYE",
+            "EYE",
         ),
     ] = None,
     unit: UnitOption = None,
@@ -108,52 +107,45 @@ def view(
     scene_voxel_m: SceneVoxelOption = None,
     camera: Annotated[
         str | None,
-        typer.Option(
-            help="Camera of the scene where the head is at first. Default: the first; without an "
+        option(
+            "Camera of the scene where the head is at first. Default: the first; without an "
             "eye file the first that names an eye.",
-            metavar="NAME|INDEX",
+            "NAME|INDEX",
         ),
     ] = None,
     position: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(help="Where the head is at first, in metres.", metavar="X Y Z"),
+        tuple[float, float, float] | None, option("Where the head is at first, in metres.", "X Y Z")
     ] = None,
     look_at_point: LookAtOption = None,
-    path: Annotated[
-        Path | None, typer.Option(help="CSV file of poses, to be played.", metavar="CSV")
-    ] = None,
+    path: Annotated[Path | None, option("CSV file of poses, to be played.", "CSV")] = None,
     background: BackgroundOption = None,
     light: LightOption = None,
     ultraviolet: UltravioletOption = None,
-    samples: Annotated[
-        int, typer.Option(help="Rays per ommatidium while things move.", metavar="N")
-    ] = 4,
+    samples: Annotated[int, option("Rays per ommatidium while things move.", "N")] = 4,
     threads: ThreadsOption = 0,
     host: Annotated[
         str,
-        typer.Option(
-            help="Address to listen at; 0.0.0.0 for all. Other than this machine's own, the page "
+        option(
+            "Address to listen at; 0.0.0.0 for all. Other than this machine's own, the page "
             "has a token in its address.",
-            metavar="ADDRESS",
+            "ADDRESS",
         ),
     ] = "127.0.0.1",
     port: Annotated[
         int | None,
-        typer.Option(
-            help="Port to listen at; 0: any that is free. Default: the first free one from 8090 "
-            "on.",
-            metavar="N",
+        option(
+            "Port to listen at; 0: any that is free. Default: the first free one from 8090 on.", "N"
         ),
     ] = None,
     proxy: Annotated[
         str | None,
-        typer.Option(
-            help="Address at which browsers find the page, where a proxy stands before it; the "
+        option(
+            "Address at which browsers find the page, where a proxy stands before it; the "
             "page then has a token in its address.",
-            metavar="URL",
+            "URL",
         ),
     ] = None,
-    browser: Annotated[bool, typer.Option(help="Open the page in a browser here.")] = True,
+    browser: Annotated[bool, option("Open the page in a browser here.")] = True,
 ) -> None:
     """Show what an eye sees in a scene on a page in the browser, live."""
     load_viser()
@@ -176,8 +168,7 @@ def view(
         node = None if camera is None else read.camera(camera)
         if eye:
             unit = unit or "mm"
-            eyes = [load_eye(name, metres_per_unit(unit)) for name in eye]
-            head = eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
+            head = load_head(eye, unit)
             files = tuple(map(absolute, eye))
         else:
             head, node, unit = own_eye(read, camera, unit)

@@ -5,12 +5,11 @@ background.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
-
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 # Of a catch: far more than there are, and its square is a number still.
 MOST = 1e100

@@ -4,13 +4,12 @@ and small things."""
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.colour_vision.catches import pair_of
-
-Floats = NDArray[np.float64]
 
 
 @checked

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from omma._core import Background, Eye
 from omma.base.arguments import as_named
+from omma.base.arrays import Floats
 from omma.colour_vision.targets import DiscTarget
 from omma.colour_vision.views import Seen, View, met
 from omma.light.bands import Bands
@@ -24,8 +25,6 @@ from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.solids import disc
 from omma.scene.world import World
-
-Floats = NDArray[np.float64]
 
 # Corners of the polygon that is a disc: its area is the circle's to 2.5e-5.
 _CORNERS = 512

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.colour_vision.catches import as_catches, pair_of
-
-Floats = NDArray[np.float64]
 
 
 @checked

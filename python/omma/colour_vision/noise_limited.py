@@ -20,13 +20,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, whole, within
+from omma.base.arrays import Floats
 from omma.colour_vision.catches import MOST, as_catches, pair_of
-
-Floats = NDArray[np.float64]
 
 # What of a catch is a receptor's signal.
 Signal = Literal["log", "linear"]

@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.colour_vision.noise_limited import achromatic_distance, noise_limited_distance
 from omma.colour_vision.views import Looking, Seen, View
 from omma.receptors.sensitivity import ommatidium_of_receptor
-
-Floats = NDArray[np.float64]
 
 By = Literal["photons", "achromatic", "colour"]
 

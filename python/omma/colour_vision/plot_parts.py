@@ -7,16 +7,16 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of
+from omma.base.arrays import Floats
 from omma.base.figures import COLOURS, GREY, INK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Floats = NDArray[np.float64]
 #: Wavelengths (W,), nm, and what monochromatic lights of them do to the classes (W, N).
 Spectrum = tuple[ArrayLike, ArrayLike]
 

@@ -10,10 +10,11 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
 from omma.base.figures import (
     GREY,
     INK,
@@ -46,7 +47,6 @@ from omma.colour_vision.spaces import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Floats = NDArray[np.float64]
 Paths = PathLike | Sequence[PathLike]
 _HEXAGON = {
     "blue": (0, 1, 0), "blue-green": (0, 1, 1), "green": (0, 0, 1),
@@ -253,9 +253,9 @@ def plot_distances(
             another ending, Matplotlib is missing, a file cannot be written.
     """
     names = figure_names(paths)
-    shown = array_of(distances, "distances")
-    if shown.ndim not in (1, 2) or shown.size == 0:
-        raise Error(f"distances: expected shape (N,) or (N, M), found {shown.shape}")
+    shown = array_of(distances, "distances", [("N",), ("N", "M")])
+    if shown.size == 0:
+        raise Error(f"distances: expected numbers, found shape {shown.shape}")
     if not np.all((shown >= 0) & np.isfinite(shown)):
         raise Error("distances: expected finite numbers from 0 on")
     least = positive(threshold, "threshold")

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Floats
 from omma.colour_vision.targets import SceneTarget
 from omma.colour_vision.views import Seen, View, met
 from omma.light.lights import Light
@@ -14,8 +15,6 @@ from omma.receptors.catches import photon_catch
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.world import World
-
-Floats = NDArray[np.float64]
 
 # Independent estimates, each with rays as of a frame of its own, of what the target adds.
 _REPEATS = 8

@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.colour_vision.catches import as_catches, relative
-
-Floats = NDArray[np.float64]
 
 # Sectors of the hexagon, clockwise from its blue corner at the top (Chittka et al. 1994, Vision Res
 # 34:1489).
@@ -111,7 +110,7 @@ def hexagon_hue_deg(loci: ArrayLike) -> Floats:
     Raises:
         omma.Error: loci that are not finite or not two numbers.
     """
-    x, y = np.moveaxis(_points(loci, "loci", 2), -1, 0)
+    x, y = np.moveaxis(array_of(loci, "loci", (..., 2), finite=True), -1, 0)
     return np.asarray(np.degrees(np.arctan2(x, y)) % 360)
 
 
@@ -263,12 +262,3 @@ def _excited(value: ArrayLike, name: str) -> Floats:
     if not np.all(excited <= 1):
         raise Error(f"{name}: expected excitations from 0 to 1, found {np.max(excited):g}")
     return excited
-
-
-def _points(value: ArrayLike, name: str, axes: int) -> Floats:
-    points = array_of(value, name)
-    if points.shape[-1:] != (axes,):
-        raise Error(f"{name}: expected shape (..., {axes}), found {points.shape}")
-    if not np.all(np.isfinite(points)):
-        raise Error(f"{name}: expected finite numbers")
-    return points

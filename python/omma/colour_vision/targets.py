@@ -82,9 +82,7 @@ class SceneTarget:
         for name in ("scene", "without"):
             expect(getattr(self, name), Scene, name, "omma.load_scene gives one")
         object.__setattr__(self, "diameter_m", positive(self.diameter_m, "diameter_m"))
-        center = array_of(self.center_m, "center_m", (3,))
-        if not np.all(np.isfinite(center)):
-            raise Error(f"center_m: expected three finite numbers, found {center.tolist()}")
+        center = array_of(self.center_m, "center_m", (3,), finite=True)
         object.__setattr__(self, "center_m", tuple(center.tolist()))
         object.__setattr__(self, "towards", _direction(self.towards, "towards"))
 

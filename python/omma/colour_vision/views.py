@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Floats
 from omma.base.poses import look_at
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
 from omma.rendering.settings import Fixed
-
-Floats = NDArray[np.float64]
 
 # Widths of an acceptance beyond which it sees nothing: a Gaussian is 1e-11 there.
 _WIDTHS = 3.0

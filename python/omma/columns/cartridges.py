@@ -8,13 +8,11 @@ the lattice away, in the dorsal half and its mirror image below the equator.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma.base.arguments import checked
 from omma.columns.lattice import Columns, expect_columns
-from omma.eye.superposition import TRAPEZOID, Wiring
-
-Ints = NDArray[np.int64]
+from omma.eye.superposition import Wiring
+from omma.eye.trapezoid import TRAPEZOID
 
 # Steps (p, q) of the lattice: along the row that leads to the front and away from the equator, and
 # along the one straight away from it.

@@ -8,12 +8,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, whole
+from omma.base.arrays import Ints
 
-Ints = NDArray[np.int64]
 Front = Literal["right", "left"]
 
 # Of MaleCNS: the column (hex1, hex2) that has p = 0 and q = 0.

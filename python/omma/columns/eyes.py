@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Ints
 from omma.columns.lattice import Columns, expect_columns
 from omma.eye.files import warn_of_unusual
 from omma.eye.hexagonal import hexagonal_coordinates
-
-Ints = NDArray[np.int64]
 
 # Steps in p and q; v = p + q.
 _STEPS = {"v": (1, 1), "p": (1, 0), "q": (0, 1), "-v": (-1, -1), "-p": (-1, 0), "-q": (0, -1)}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import checked, one_of
@@ -15,8 +14,6 @@ from omma.columns.lattice import Columns
 from omma.columns.maps import load_columns, rows_of_table, whole_numbers
 from omma.columns.names import column_of_name
 from omma.species.measured import eye_map, medulla_names
-
-Floats = NDArray[np.float64]
 
 # Half a last digit: directions have six decimals, angles four, in degrees.
 _XYZ_ROUNDED, _ANGLE_ROUNDED_RAD = 0.5e-6, np.radians(0.5e-4)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, expect
+from omma.base.arrays import Floats, Ints
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @value_class

@@ -13,16 +13,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats, Ints
 from omma.base.files import PathLike, check_ending, open_text
 from omma.columns.coordinates import pq_from_hex
 from omma.columns.lattice import Columns
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Rows = list[tuple[str, Mapping[str, Any]]]  # where in the file, and what is there
 
 # Of each quantity the names it may have, in small letters and without signs.

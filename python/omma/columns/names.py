@@ -10,15 +10,14 @@ import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Ints
 from omma.columns.coordinates import hex_from_pq, pq_from_hex
 from omma.columns.lattice import Columns, expect_columns
 from omma.species.measured import medulla_names
-
-Ints = NDArray[np.int64]
 
 _NAME = re.compile(r"(?:ME|LO|LOP)_([LR])_col_(\d{1,2})_(\d{1,2})")
 # What root ids of FlyWire begin with; all have 18 digits.

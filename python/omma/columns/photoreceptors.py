@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye, ReceptorType, Scene
 from omma.base.arguments import checked, expect
+from omma.base.arrays import Floats32, Ints
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.values import value_class
 from omma.columns.cartridges import cartridge_wiring
@@ -30,8 +31,6 @@ from omma.species.measured import measured_drosophila
 if TYPE_CHECKING:
     import xarray
 
-Floats32 = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 _SAMPLING = Fixed(16)
 _RELATIVE = "of the receptor's sensitivity; white light of radiance 1 gives 1 over all wavelengths"

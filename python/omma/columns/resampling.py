@@ -11,11 +11,9 @@ from scipy.sparse import csr_array
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, positive
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import angle_of_chord, normalized
 from omma.columns.lattice import Columns, expect_columns
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Beyond twice the full width at half maximum a Gaussian is below 2e-5.
 _CUT = 2.0
@@ -79,7 +77,8 @@ def resampling_matrix(
             here = np.array(some)
             weight = np.ones(len(here))
             if weights == "gaussian" and len(here) > 1:
-                apart = _angle(columns.axis[row], axes[members[here]])
+                beside = axes[members[here]] - columns.axis[row]
+                apart = angle_of_chord(np.linalg.norm(beside, axis=1))
                 exponent = -4 * math.log(2) * (apart / width) ** 2
                 weight = share[here] * np.exp(exponent - exponent.max())
             rows.append(np.full(len(here), row))
@@ -95,12 +94,10 @@ def resample(responses: ArrayLike, matrix: csr_array) -> Floats:
     Raises:
         omma.Error: another number of ommatidia.
     """
-    given = array_of(responses, "responses", dtype=None)
     if len(getattr(matrix, "shape", ())) != 2 or not hasattr(matrix, "__matmul__"):
         raise TypeError(f"matrix: expected one of resampling_matrix, found {matrix!r:.40}")
     count = matrix.shape[1]
-    if given.ndim < 2 or given.shape[-2] != count:
-        raise Error(f"responses: expected shape (..., {count}, C), found {given.shape}")
+    given = array_of(responses, "responses", (..., count, "C"), dtype=None)
     moved = np.moveaxis(given, -2, 0)
     made = matrix @ moved.reshape(count, -1).astype(np.float64)
     return np.moveaxis(np.asarray(made).reshape(-1, *moved.shape[1:]), 0, -2)
@@ -181,10 +178,6 @@ def _nearest(tree, axes: Floats) -> tuple[Floats, Ints]:  # type: ignore[no-unty
 
 def _chord(angle_rad: float) -> float:
     return 2 * math.sin(min(angle_rad, math.pi) / 2)
-
-
-def _angle(axis: Floats, others: Floats) -> Floats:
-    return angle_of_chord(np.linalg.norm(others - axis, axis=1))
 
 
 def _sparse(

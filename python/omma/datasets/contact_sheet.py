@@ -85,9 +85,8 @@ def contact_sheet(
         figure = make_figure(
             figsize=(_WIDTH_MM * MM, (down * row_mm + 11) * MM), layout="constrained"
         )
-        figure.suptitle(
-            f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {_short(views.store)}"
-        )
+        name = views.store.rstrip("/").rsplit("/", 1)[-1]
+        figure.suptitle(f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {name}")
         figure.supxlabel(_MEANT)
         axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
         for one in axes:
@@ -161,7 +160,3 @@ def _lights(views: Views) -> list[Light]:
     with reading(views.store, "the lights of a data set"):
         found = [make_light(*one, bands) for one in lights_from(manifest["job"])]
         return [light for light in found if light is not None]
-
-
-def _short(store: str) -> str:
-    return store.rstrip("/").rsplit("/", 1)[-1]

@@ -45,12 +45,12 @@ def describe(store: PathLike) -> list[str]:
         lines.append(f"eye {eye}:")
         with reading(path, "a Zarr store"):
             arrays = sorted((root[inside] if inside else root).arrays(), key=itemgetter(0))
-            lines += [f"  {name} {_about(array)}" for name, array in arrays if _of_views(array)]
+            lines += [
+                f"  {name} {_about(array)}"
+                for name, array in arrays
+                if (array.metadata.dimension_names or ())[:1] == (VIEW,)
+            ]
     return lines
-
-
-def _of_views(array: Any) -> bool:
-    return bool((array.metadata.dimension_names or ())[:1] == (VIEW,))
 
 
 def _about(array: Any) -> str:

@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Scene
+from omma.base.arrays import Floats
 
 _CELLS = 64  # along each axis
 # Margin for rounding in single precision, as a fraction of the size of the scene.
 _ROUNDING = 1e-5
-
-Floats = NDArray[np.float64]
 
 
 class FarMap:
@@ -65,9 +64,3 @@ def triangle_boxes(scene: Scene) -> Iterator[tuple[Floats, Floats]]:
         placed = instance.world_from_mesh
         corners = (positions @ placed[:3, :3].T + placed[:3, 3])[triangles]
         yield corners.min(axis=1), corners.max(axis=1)
-
-
-def triangles_of(scene: Scene) -> int:
-    """How many triangles all instances have together."""
-    sizes = [len(mesh.triangles) for mesh in scene.meshes]
-    return sum(sizes[instance.mesh] for instance in scene.instances)

@@ -10,13 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.base.spirals import GOLDEN_ANGLE_RAD, fibonacci_lattice
-from omma.datasets.far_map import FarMap, triangles_of
+from omma.datasets.far_map import FarMap
 from omma.motion.ground_rays import LAYERS, first_below, ray_bundle, shoot, upright
 from omma.rendering.renderer import Renderer
 from omma.scene.world import World
-
-Floats = NDArray[np.float64]
 
 # Directions in which rays are sent from a position, and towards it.
 _DIRECTIONS = 128
@@ -43,7 +42,7 @@ class FreeSpace:
         self._balls: dict[float, Renderer] = {}
         self._maps: dict[float, FarMap] = {}
         # Skinned meshes are not where the file has their triangles: no map then.
-        triangles = triangles_of(world.scene) if world.scene.rig is None else _MOST_MAPPED + 1
+        triangles = world.scene.triangle_count if world.scene.rig is None else _MOST_MAPPED + 1
         self._mapped_after = triangles * _POSITIONS_PER_TRIANGLE
         self._is_mapped = triangles <= _MOST_MAPPED
         self._asked = 0

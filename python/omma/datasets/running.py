@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from omma._core import Error, Scene
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.files import PathLike, WholeFiles, make_directory
-from omma.base.progress import Stage
+from omma.base.progress import Progress, Stage
 from omma.base.values import value_class
 from omma.datasets.cluster import make_on_cluster, scheduler_of
 from omma.datasets.job_file import Job, load_job
@@ -145,7 +145,7 @@ def run(
 
 @checked
 def verify(
-    store: PathLike, *, forget: bool = False, progress: Callable[[float], object] | None = None
+    store: PathLike, *, forget: bool = False, progress: Progress | None = None
 ) -> VerifyReport:
     """Whether all shards of a data set are there, each byte as it was written.
 

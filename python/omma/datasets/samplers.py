@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.base.poses import Matrices, load_poses, poses_from_angles
 from omma.base.velocities import velocities_from_poses
 from omma.datasets.free_space import FreeSpace
@@ -28,8 +29,6 @@ SAMPLERS = ("uniform", "surface", "path", "walk", "track")
 _TRIES = 1000
 # Random numbers of an attempt at a pose: a whole number of Philox's blocks of four.
 _DRAWN = 8
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from omma import _core
 from omma._core import Error
 from omma.base.files import WholeFiles
+from omma.base.progress import Progress
 from omma.datasets.job_file import TRUTHS, Job
 from omma.datasets.layout import HEAD_MOTION, Layout, is_to_error
 from omma.datasets.plan import Plan
@@ -59,7 +60,7 @@ def render_shard(
     plan: Plan,
     layouts: Mapping[str, Layout],
     shard: int,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> RenderedShard:
     """A shard's views for all eyes.
 
@@ -156,7 +157,7 @@ def _render(
     motion: Motion | None,
     cameras: CaptureCameras | None,
     first: int,
-    progress: Callable[[float], object],
+    progress: Progress,
 ) -> Arrays:
     """All outputs of views that begin with number ``first``."""
     found: Arrays = {}

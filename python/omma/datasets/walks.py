@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.base.poses import Matrices, poses_from_angles
 from omma.base.velocities import velocities_from_poses
 from omma.datasets.free_space import FreeSpace
@@ -18,8 +19,6 @@ from omma.motion.walking import walk_on
 
 # New ways that are tried where the one ahead is blocked.
 _TURNS = 64
-
-Floats = NDArray[np.float64]
 
 
 def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, space: FreeSpace) -> Matrices:

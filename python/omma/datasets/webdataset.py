@@ -6,7 +6,7 @@ from __future__ import annotations
 import io
 import json
 import tarfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.files import PathLike, WholeFiles, make_directory
+from omma.base.progress import Progress
 from omma.datasets.reading import Batch, Views, open_views
 from omma.datasets.records import read_manifest
 
@@ -32,7 +33,7 @@ def to_webdataset(
     *,
     eye: str | None = None,
     views_per_file: int = 1000,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> list[str]:
     """Write the views of a data set as tar files ``views-000000.tar`` and on; their names.
 

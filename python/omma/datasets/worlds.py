@@ -13,16 +13,17 @@ from typing import Any
 import numpy as np
 
 from omma import light, species
-from omma._core import Error, Eye, Scene, merge_eyes
+from omma._core import Error, Eye, Scene
 from omma.base.arguments import as_named, one_of
+from omma.base.arrays import Floats
 from omma.base.poses import Matrices, poses_from_angles
 from omma.datasets.free_space import FreeSpace
 from omma.datasets.job_file import Job
 from omma.datasets.job_inputs import Condition, EyeInput, PlacedObject, SceneInput
 from omma.datasets.plan import Block
-from omma.datasets.samplers import Floats, sample_poses, sample_velocities
+from omma.datasets.samplers import sample_poses, sample_velocities
 from omma.datasets.walks import walk_poses, walk_velocities
-from omma.eye.files import load_eye
+from omma.eye.files import load_head
 from omma.light import Bands, Light
 from omma.rendering.renderer import Renderer
 from omma.scene.backgrounds import parse_background
@@ -215,8 +216,7 @@ def names_of_things(scene: Scene) -> list[str]:
 def _eye(one: EyeInput) -> Eye:
     if one.species:
         return species.make(one.species).eye
-    eyes = [load_eye(file, one.unit) for file in one.files]
-    return eyes[0] if len(eyes) == 1 else merge_eyes(eyes)
+    return load_head(one.files, one.unit)
 
 
 def _placed(scene: Scene, one: PlacedObject) -> Scene:

@@ -21,16 +21,16 @@ def load_acceptance(path: PathLike) -> Acceptance:
 
     A radial profile has the columns angle_deg (from the axis) and sensitivity; a map right_deg,
     up_deg (angles from the axis) and sensitivity, one line for each node of a full grid. Lines in
-    any order; those that begin with # are passed over. Between the nodes S is linear, beyond the
-    last it is 0.
+    any order; empty ones, and what follows a ``#``, are passed over. Between the nodes S is linear,
+    beyond the last it is 0.
 
     Raises:
         omma.Error: the file cannot be read or is no such table; it names the line.
     """
-    header, table = read_table(path, _PROFILE, _MAP)
+    header, table, _ = read_table(path, (_PROFILE, _MAP), "sensitivity")
     name = os.fsdecode(path)
     try:
-        if header == list(_PROFILE):
+        if header == _PROFILE:
             table = table[np.argsort(table[:, 0], kind="stable")]
             return Acceptance.table(np.radians(table[:, 0]), table[:, 1], path=name)
         right, up, sensitivity = as_grid(path, table, "angles to the right", "angles up")

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Flags, Floats
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.base.tables import as_grid, read_table
@@ -17,8 +18,6 @@ from omma.eye.lattice import Angle
 
 __all__ = ["angle_table", "load_angle_table", "outline"]
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 _COLUMNS = ("azimuth_deg", "elevation_deg", "dphi_h_deg", "dphi_v_deg")
 
@@ -27,7 +26,7 @@ _COLUMNS = ("azimuth_deg", "elevation_deg", "dphi_h_deg", "dphi_v_deg")
 def window(
     azimuth_deg: tuple[float, float] = (-180.0, 180.0),
     elevation_deg: tuple[float, float] = (-90.0, 90.0),
-) -> Callable[[Floats], Bools]:
+) -> Callable[[Floats], Flags]:
     """The field of view between two azimuths and two elevations, as `lay_directions` takes it.
 
     Azimuths may go beyond ±180, as those of an eye that looks across the back: (-40, 215).
@@ -42,7 +41,7 @@ def window(
     if not (-90 <= low < high <= 90):
         raise Error(f"elevation_deg: expected two ascending from -90 to 90, found {elevation_deg}")
 
-    def sees(directions: Floats) -> Bools:
+    def sees(directions: Floats) -> Flags:
         azimuth, elevation = azimuth_elevation_deg_of(directions)
         seen = (elevation >= low) & (elevation <= high)
         return np.asarray(seen & ((azimuth - left) % 360 <= right - left))
@@ -51,7 +50,7 @@ def window(
 
 
 @checked
-def outline(azimuth_elevation_deg: ArrayLike) -> Callable[[Floats], Bools]:
+def outline(azimuth_elevation_deg: ArrayLike) -> Callable[[Floats], Flags]:
     """The field of view inside a polygon of azimuths and elevations (M, 2), degrees; its sides are
     straight in azimuth and elevation. Azimuths may go beyond ±180.
 
@@ -65,7 +64,7 @@ def outline(azimuth_elevation_deg: ArrayLike) -> Callable[[Floats], Bools]:
         raise Error("outline: expected finite azimuths and elevations from -90 to 90")
     least = corners[:, 0].min()
 
-    def sees(directions: Floats) -> Bools:
+    def sees(directions: Floats) -> Flags:
         azimuth, elevation = azimuth_elevation_deg_of(directions)
         first = least + (azimuth - least) % 360
         seen = np.zeros(len(directions), bool)
@@ -141,13 +140,13 @@ def load_angle_table(
     """Horizontal and vertical angles from a CSV file, as `lay_directions` takes them.
 
     Its columns are named: azimuth_deg, elevation_deg, dphi_h_deg and, where the vertical angle is
-    another, dphi_v_deg; lines in any order, one for each azimuth at each elevation. Lines that
-    begin with # are passed over.
+    another, dphi_v_deg; lines in any order, one for each azimuth at each elevation. Empty lines,
+    and what follows a ``#``, are passed over.
 
     Raises:
         omma.Error: the file cannot be read or is no such table; it names the line.
     """
-    _, table = read_table(path, _COLUMNS[:3], _COLUMNS)
+    _, table, _ = read_table(path, (_COLUMNS[:3], _COLUMNS), "angle")
     azimuths, elevations, *angles = as_grid(path, table, "azimuths", "elevations")
     try:
         fields = [angle_table(azimuths, elevations, angle) for angle in angles]

@@ -11,11 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from omma.base.arrays import Flags, Floats, Ints
 
 NEIGHBOURS = 18  # two rings of a hexagonal lattice; the next is under a hundredth of the force
 
@@ -60,7 +57,7 @@ class Cells:
 
     near: Ints
     distance: Floats
-    is_neighbour: Bools
+    is_neighbour: Flags
     widest_gap_rad: Floats
 
     @property

@@ -17,12 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import checked, positive
+from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike, metres_per_unit, open_text
 from omma.base.poses import poses_from_angles
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
 
 
 @checked

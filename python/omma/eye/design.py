@@ -17,11 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, expect_eye_radius
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
+from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.eye.cells import NEIGHBOURS
 from omma.eye.relaxation import (
     STEPS_PER_SEARCH,
-    Progress,
     bisected,
     limited,
     pushed,
@@ -30,7 +31,6 @@ from omma.eye.relaxation import (
 )
 from omma.eye.surfaces import Ellipsoid, even_directions, stretched
 
-Floats = NDArray[np.float64]
 Density = Callable[[Floats], ArrayLike]
 
 _STEPS = 500
@@ -101,7 +101,7 @@ def generate_eye(
     density: Density | None = None,
     acceptance_ratio: float = 1.0,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
     allow_unusual: bool = False,
 ) -> Eye:
     """An eye of ``count`` ommatidia spread over a sphere or an ellipsoid by relaxation.
@@ -207,7 +207,7 @@ def _candidates(surface: _Crowded, number: int, turn: Floats) -> tuple[Floats, F
     return points, surface.per_area(points) * stretch * (4 * math.pi / number)
 
 
-def _relaxed(surface: _Crowded, points: Floats, tell: Progress) -> Floats:
+def _relaxed(surface: _Crowded, points: Floats, tell: Stage) -> Floats:
     velocity = np.zeros_like(points)
     spacing = surface.spacing(points)
     for step in range(_STEPS):

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Acceptance, Error, Eye
 from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.arrays import Floats
 from omma.eye.neighbours import surface_lattice
-
-Floats = NDArray[np.float64]
 
 
 @checked
@@ -120,9 +119,7 @@ def acceptance_from_facets(
 
 
 def _lengths(values: ArrayLike | None, name: str, count: int) -> Floats:
-    lengths = array_of(values, name)
-    if lengths.shape not in ((), (count,)):
-        raise Error(f"{name}: expected a number or shape ({count},), found {lengths.shape}")
+    lengths = array_of(values, name, [(), (count,)])
     if not np.all(np.isfinite(lengths) & (lengths > 0)):
         raise Error(f"{name}: expected lengths above 0")
     return np.asarray(lengths + np.zeros(count))

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from omma.base.directions import angle_of_chord, azimuth_elevation_deg_of
+from omma.base.arrays import Flags, Floats
+from omma.base.directions import angle_of_chord, azimuth_elevation_deg_of, normalized
 from omma.base.spirals import fibonacci_lattice, golden_angles
 from omma.base.values import value_class
-from omma.eye.neighbours import Flags, Floats, Neighbours
+from omma.eye.neighbours import Neighbours
 
 # Directions that the sphere is asked in: 0.57° apart, each 0.1 msr.
 _DIRECTIONS = 1 << 17
@@ -88,7 +89,7 @@ def in_field(
     from scipy.spatial import cKDTree
 
     members = np.flatnonzero(eye_id == which)
-    own = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
+    own = normalized(axis[members])
     near = min(3, len(members))
     distance, index = cKDTree(own).query(directions, k=near)
     distance, index = distance.reshape(-1, near), index.reshape(-1, near)
@@ -96,7 +97,7 @@ def in_field(
     angle = angle_of_chord(distance[:, 0])
     seen = np.asarray(angle <= half[index[:, 0]])
     corners, count = _triangles_at(lattice, len(axis))
-    vertices = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+    vertices = normalized(axis)
     ends = vertices[lattice.triangles]
     reach = np.linalg.norm(ends - np.roll(ends, 1, axis=1), axis=2).max(initial=0.0)
     hopeless = distance[:, 0] > reach  # further from all corners than any triangle is long

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from omma import _core
@@ -45,6 +46,12 @@ def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None
     eye = _core.load_eye(path, metres, "" if head is None else str(head))
     warn_of_unusual(eye)
     return eye
+
+
+def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
+    """The eye of a file, or one head of the eyes of several."""
+    eyes = [load_eye(path, unit) for path in paths]
+    return eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
 
 
 def warn_of_unusual(eye: Eye) -> None:

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
 __all__ = ["DIRECTIONS", "NO_COORDINATE", "HexagonalCoordinates"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # What neighbours are called, in the order of their columns: from the dorsal one over the front.
 DIRECTIONS = ("v", "q", "-p", "-v", "-q", "p")

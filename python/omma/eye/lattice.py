@@ -17,18 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Flags, Floats
 from omma.base.directions import azimuth_elevation_deg_of as azimuth_elevation_deg_of
 from omma.base.directions import direction as direction
 from omma.base.directions import normalized
+from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.eye.cells import cells
 from omma.eye.nearest import Nearest
-from omma.eye.relaxation import MARGIN, Domain, Progress, Region, grown, started
+from omma.eye.relaxation import MARGIN, Domain, Region, grown, started
 
 __all__ = ["Lattice", "LatticeCheck", "check_lattice"]
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Angle = ArrayLike | Callable[[Floats], ArrayLike]
 FieldOfView = Callable[[Floats], ArrayLike]
 
@@ -63,11 +63,8 @@ def angles_at(directions: Floats, horizontal: Angle, vertical: Angle | None) -> 
 
 
 def _values(angle: Angle, directions: Floats, name: str) -> Floats:
-    values = array_of(angle(directions) if callable(angle) else angle, name)
-    if values.ndim == 0:
-        values = np.full(len(directions), float(values))
-    if values.shape != (len(directions),):
-        raise Error(f"{name}: expected shape ({len(directions)},), found {values.shape}")
+    given = angle(directions) if callable(angle) else angle
+    values = array_of(given, name, [(), (len(directions),)]) + np.zeros(len(directions))
     good = np.isfinite(values) & (values > 0) & (values < math.pi)
     if not good.all():
         bad = int(np.flatnonzero(~good)[0])
@@ -139,7 +136,7 @@ class SphereCells:
         self._set_inside(self.middle[inside])
         self.region = Region(self.sees, self.metric, self.middle, inside, self._inside)
 
-    def sees(self, directions: Floats) -> Bools:
+    def sees(self, directions: Floats) -> Flags:
         """Which directions (K, 3) are in the field of view."""
         if self._field_of_view is None:
             return np.ones(len(directions), bool)
@@ -210,7 +207,7 @@ def lay_directions(
     field_of_view: FieldOfView | None = None,
     count: int | None = None,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> Lattice:
     """Directions in a hexagonal lattice of given local interommatidial angles.
 
@@ -262,7 +259,7 @@ class LatticeCheck:
 
     ratio: Floats
     degree: NDArray[np.int64]
-    inner: Bools
+    inner: Flags
     median_error: float
     p95_error: float
     six_fraction: float

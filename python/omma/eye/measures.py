@@ -13,13 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked
-from omma.base.directions import angle_of_chord
+from omma.base.arrays import Flags, Floats, Ints
+from omma.base.directions import angle_of_chord, normalized
 from omma.base.values import value_class
 from omma.eye.field import Field, field_of_view
 from omma.eye.neighbours import (
-    Flags,
-    Floats,
-    Ints,
     Neighbours,
     direction_lattice,
     eye_centre,
@@ -154,7 +152,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         raise Error("eye: expected at least one ommatidium, found none")
     position = eye.position_m.astype(np.float64)
     axis = eye.axis.astype(np.float64)
-    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    axis = normalized(axis)
     eye_id = sides(position, eye.eye_id)
     directions = direction_lattice(axis, eye_id)
     surface = surface_lattice(position, eye_id)
@@ -234,7 +232,7 @@ def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
     # Straight up and down no direction is horizontal.
     safe = np.where(level > 1e-6, level, np.nan)
     east = np.column_stack([-middle[:, 2] / safe, np.zeros(len(middle)), middle[:, 0] / safe])
-    north = np.cross(east, middle / np.linalg.norm(middle, axis=1, keepdims=True))
+    north = np.cross(east, normalized(middle))
     north *= np.sign(north[:, 1:2])
     edges = corners - np.roll(corners, 1, axis=1)
     along = np.stack([np.einsum("tkc,tc->tk", edges, way) for way in (east, north)], axis=1)

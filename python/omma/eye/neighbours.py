@@ -17,11 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Flags, Floats, Ints
+from omma.base.directions import normalized
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 # The circle around a triangle of a lattice has 0.5 to 0.71 times the radius of the distance to the
 # third nearest point. What is far over that spans a hole; a steep acute zone has up to about 2. Up
@@ -91,7 +89,7 @@ def direction_lattice(axis: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
     groups = []
     for which in np.unique(eye_id):
         members = np.flatnonzero(eye_id == which)
-        directions = axis[members] / np.linalg.norm(axis[members], axis=1, keepdims=True)
+        directions = normalized(axis[members])
         groups.append((members, directions))
     return _joined(groups, len(axis))
 

@@ -11,17 +11,18 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Flags, Floats
 from omma.base.directions import normalized
+from omma.base.progress import Stage
 from omma.eye.facets import set_facets
-from omma.eye.relaxation import Bools, Domain, Progress, Region, grown, started
+from omma.eye.relaxation import Domain, Region, grown, started
 from omma.eye.skew import NormalOf, vectors_of
 from omma.eye.surfaces import Surface
 
-Floats = NDArray[np.float64]
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
 _PIECE = 4096  # directions whose positions are looked for at once
@@ -35,7 +36,7 @@ def eye_on_surface(
     normal: NormalOf | None = None,
     acceptance_ratio: float = 1.0,
     eye_id: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> Eye:
     """The eye that looks in given directions from a surface; facets are its lenses' spacing.
 
@@ -73,7 +74,7 @@ def lay_on_surface(
     axis: AxisAt | None = None,
     acceptance_ratio: float = 1.0,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> Eye:
     """An eye of lenses in a hexagonal lattice over a surface; whole facets up to where it ends.
 
@@ -98,7 +99,7 @@ def lay_on_surface(
     def spacing(points: Floats) -> Floats:
         return scale * _spacings(spacing_m, points)
 
-    def sees(points: Floats) -> Bools:
+    def sees(points: Floats) -> Flags:
         seen = np.ones(len(points), bool)
         if inside is not None:
             given = np.asarray(inside(points))
@@ -158,11 +159,8 @@ def _finished(eye: Eye, acceptance_ratio: float) -> Eye:
 
 
 def _spacings(spacing_m: float | Callable[[Floats], ArrayLike], points: Floats) -> Floats:
-    values = array_of(spacing_m(points) if callable(spacing_m) else spacing_m, "spacing_m")
-    if values.ndim == 0:
-        values = np.full(len(points), float(values))
-    if values.shape != (len(points),):
-        raise Error(f"spacing_m: expected shape ({len(points)},), found {values.shape}")
+    given = spacing_m(points) if callable(spacing_m) else spacing_m
+    values = array_of(given, "spacing_m", [(), (len(points),)])
     if not np.all(np.isfinite(values) & (values > 0)):
         raise Error("spacing_m: expected lengths above 0")
-    return values
+    return values + np.zeros(len(points))

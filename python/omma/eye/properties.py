@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from omma._core import Eye
 from omma.base.arguments import one_of
+from omma.base.arrays import Flags, Floats
 from omma.eye.measures import EyeMeasures
-from omma.eye.neighbours import Flags, Floats
 
 _DEGREE = 180 / np.pi
 

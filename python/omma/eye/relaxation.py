@@ -19,15 +19,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma.base.arguments import whole
+from omma.base.arrays import Flags, Floats
+from omma.base.directions import normalized
+from omma.base.progress import Progress, Stage
 from omma.eye.cells import NEIGHBOURS, cells, nearest, pair_distance_squared
 from omma.eye.nearest import Nearest
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Progress = Callable[[str, "float | None"], object]
 
 _FORCE_POWER = 7
 # Step size as a fraction of the largest stable one, found by trials with 100 to 10,000 points.
@@ -47,8 +45,8 @@ STEPS_PER_SEARCH = 10
 
 
 def started(
-    count: int | None, seed: int, progress: Progress | None
-) -> tuple[np.random.Generator, Progress]:
+    count: int | None, seed: int, progress: Stage | None
+) -> tuple[np.random.Generator, Stage]:
     """What makes an eye by chance begins with: random numbers, and who is told of progress.
 
     Raises:
@@ -104,10 +102,10 @@ class Region:
 
     def __init__(
         self,
-        sees: Callable[[Floats], Bools],
+        sees: Callable[[Floats], Flags],
         metric: Callable[[Floats], Floats],
         samples: Floats,
-        inside: Bools,
+        inside: Flags,
         nearest_inside: Nearest | None = None,
     ) -> None:
         self._sees, self._metric = sees, metric
@@ -141,16 +139,14 @@ class Region:
         return np.asarray(np.linalg.norm(step, axis=1))
 
 
-def grown(
-    domain: Domain, count: int, random: np.random.Generator, tell: Callable[[float], object]
-) -> Floats:
+def grown(domain: Domain, count: int, random: np.random.Generator, tell: Progress) -> Floats:
     """A lattice of ``count`` points (N, 3) on a closed surface; elsewhere about as many where they
     are wanted, and more around them."""
     doublings = max(0, math.floor(math.log(count / _COARSEST, 4)))
     work = np.array([_COARSE_STEPS / 4**doublings, *(_STEPS * 4.0 ** -np.arange(doublings)[::-1])])
     done = np.concatenate([[0], np.cumsum(work)]) / work.sum()
 
-    def stage(level: int) -> Callable[[float], object]:
+    def stage(level: int) -> Progress:
         start, length = done[level], done[level + 1] - done[level]
         return lambda fraction: tell(float(start + fraction * length))
 
@@ -174,7 +170,7 @@ def _coarse(
     count: int,
     scale: float,
     random: np.random.Generator,
-    tell: Callable[[float], object],
+    tell: Progress,
 ) -> Floats:
     # The points that make the lattice `scale` times as wide as wanted at the end.
     fraction = domain.fraction / scale**2
@@ -292,7 +288,7 @@ def _relaxed(
     steps: int,
     shake: float,
     random: np.random.Generator,
-    tell: Callable[[float], object],
+    tell: Progress,
 ) -> Floats:
     # Points (N, 3) after so many steps of repulsion at `scale` times the spacing. `shake` is the
     # size of a random step at the start, in spacings; it falls to 0 over two thirds of the steps.
@@ -347,7 +343,7 @@ def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats:
 
 def _normals(metric: Floats) -> Floats:
     across = np.cross(metric[:, 0], metric[:, 1])
-    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
+    return normalized(across)
 
 
 def _root_metric(domain: Domain, points: Floats) -> Floats:

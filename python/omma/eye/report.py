@@ -12,10 +12,10 @@ import numpy as np
 
 from omma._core import Eye
 from omma.base.arguments import checked
+from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike, WholeFiles, check_ending
 from omma.eye.measures import EyeMeasures
-from omma.eye.neighbours import Floats
 
 _DEGREE = 180 / np.pi
 #: What spreads are told of, in this order: name, what it is, its unit.
@@ -79,11 +79,11 @@ def save_eye_table(path: PathLike, eye: Eye, measures: EyeMeasures) -> None:
         omma.Error: another ending than `.csv`; the file cannot be written.
     """
     check_ending(path, ".csv")
-    columns = [_texts(values) for values in eye_table(eye, measures).values()]
+    table = eye_table(eye, measures)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(eye_table(eye, measures))
-    writer.writerows(zip(*columns, strict=True))
+    writer.writerow(table)
+    writer.writerows(zip(*map(_texts, table.values()), strict=True))
     with WholeFiles() as files:
         files.open(os.fsdecode(path)).write(text.getvalue().encode())
 
@@ -98,9 +98,8 @@ def eye_summary(eye: Eye, measures: EyeMeasures) -> dict[str, Any]:
     table = eye_table(eye, measures)
     inner = ~measures.border
     field = measures.field
-    receptors = Counter(
-        eye.receptor_types[k].name or f"type {k}" for k in eye.receptor_type.tolist()
-    )
+    names = [one.name or f"type {k}" for k, one in enumerate(eye.receptor_types)]
+    receptors = Counter(names[k] for k in eye.receptor_type.tolist())
     copies = np.flatnonzero(measures.duplicate_of >= 0)
     odd = np.flatnonzero(measures.outlier != "")
     return {

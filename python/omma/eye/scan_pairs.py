@@ -3,19 +3,17 @@ which tip to which lens."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats, Ints
+from omma.base.progress import Progress
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Points further apart than this many spacings are in different groups. A lattice with a few points
 # missing has gaps of two or three; the eyes of flies and bees are twenty and more apart.
@@ -92,9 +90,7 @@ def _groups(points: Floats) -> Ints:
     return np.asarray(np.searchsorted(large, group[nearest]), dtype=np.int64)
 
 
-def match_tips(
-    lens: Floats, cone: Floats, tell: Callable[[float], object]
-) -> tuple[Ints, Ints, Floats]:
+def match_tips(lens: Floats, cone: Floats, tell: Progress) -> tuple[Ints, Ints, Floats]:
     """Indices of the pairs of one eye by lens, and how far each tip is from where a smooth map of
     the lenses' positions (a polynomial of second order, fitted and matched in turn) says it should
     be.

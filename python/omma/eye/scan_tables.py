@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import array_of
+from omma.base.arrays import Floats
 from omma.base.files import METRES_PER_UNIT, PathLike, open_text
-
-Floats = NDArray[np.float64]
 
 # Units as programs write them: µ is the micro sign or the Greek letter.
 UNITS = METRES_PER_UNIT | {"\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}

@@ -17,17 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.base.files import PathLike, metres_per_unit
+from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.eye.change import set_acceptance
 from omma.eye.facets import facet_diameters_m
-from omma.eye.relaxation import Progress
 from omma.eye.scan_pairs import match_tips, split_eyes
 from omma.eye.scan_tables import ScanTable, read_points
 
 __all__ = ["ImportedEye", "LensConeEye", "import_lens_cone", "import_oda"]
 
-Floats = NDArray[np.float64]
 
 # Names in the Ommatidia Detecting Algorithm's ommatidial_data.csv (jpcurrea/ODA, analysis_tools.py,
 # CTStack.measure_ommatidia) and in its forerunner's (jpcurrea/compound_eye_tools).
@@ -77,7 +77,7 @@ def import_oda(
     acceptance_angle_rad: ArrayLike | None = None,
     ahead: ArrayLike = (0, 0, -1),
     up: ArrayLike = (0, 1, 0),
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> ImportedEye:
     """An eye from ``ommatidial_data.csv`` of the Ommatidia Detecting Algorithm (ODA-3D; Currea et
     al. 2023, Communications Biology).
@@ -162,7 +162,7 @@ def import_lens_cone(
     acceptance_angle_rad: ArrayLike | None = None,
     ahead: ArrayLike = (0, 0, -1),
     up: ArrayLike = (0, 1, 0),
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> LensConeEye:
     """An eye, or both of a head, from the lenses and the tips of the crystalline cones marked in a
     scan, in any order.

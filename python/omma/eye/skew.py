@@ -9,16 +9,16 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
 from omma.base.directions import normalized
 from omma.eye.surfaces import Surface
 
 __all__ = ["skew_rad", "squeeze_for_skew", "squeezed"]
 
-Floats = NDArray[np.float64]
 NormalOf = Callable[[Floats], Floats]
 
 
@@ -123,10 +123,7 @@ def angle_between(first: Floats, second: Floats) -> Floats:
 
 def vectors_of(values: ArrayLike, name: str, count: int | None = None) -> Floats:
     """Vectors (N, 3) of length 1; omma.Error names the argument where they are none."""
-    vectors = array_of(values, name)
-    if vectors.ndim != 2 or vectors.shape[1] != 3 or (count is not None and len(vectors) != count):
-        wanted = "N" if count is None else count
-        raise Error(f"{name}: expected shape ({wanted}, 3), found {vectors.shape}")
+    vectors = array_of(values, name, (count, 3))
     size = np.linalg.norm(vectors, axis=1, keepdims=True)
     if not np.all(np.isfinite(size) & (size > 0)):
         raise Error(f"{name}: expected finite vectors that are not 0")

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.mesh_triangles import triangles_of_file
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ellipsoid", "load_surface", "mesh_surface", "sphere"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _MESH_SAMPLES = 200_000
 # Of an ellipsoid: far more than anything asks for, in some gigabytes.

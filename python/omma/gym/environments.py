@@ -13,10 +13,9 @@ from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Flags
 from omma.gym.episodes import Where, episodes_of, see_poses
 from omma.gym.loop import Loop, Responses
-
-Bools = NDArray[np.bool_]
 
 _NOT_OVER = np.zeros(1, bool)
 
@@ -107,7 +106,7 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         self._over = np.zeros(self.num_envs, bool)
         return self._seen(self._episodes.begin(self._rngs))
 
-    def step(self, actions: Any) -> tuple[Responses, NDArray[np.float64], Bools, Bools, Any]:
+    def step(self, actions: Any) -> tuple[Responses, NDArray[np.float64], Flags, Flags, Any]:
         """(observations, rewards, which ended, which were cut off, infos); what was over before
         starts anew, for a reward of 0."""
         if not self._rngs:

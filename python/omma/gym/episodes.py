@@ -16,17 +16,16 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of
+from omma.base.arrays import Flags, Floats, Ints
 from omma.base.poses import as_pose, as_poses
-from omma.gym.loop import Floats, Loop, Moment, Responses
+from omma.gym.loop import Loop, Moment, Responses
 from omma.gym.states import check_states, choose, merge
 
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 # Poses (K, 4, 4), and where things are (K, T, 4, 4), None where a loop moves none.
 Where = tuple[Floats, Floats | None]
 # What was rendered, by the names of `Moment`: arrays (K, ...).
 Views = dict[str, Responses]
-Judged = tuple[Floats, Bools, Bools]
+Judged = tuple[Floats, Flags, Flags]
 
 _MASK_FIRST = "reset: expected a reset() of all before one of some"
 
@@ -43,7 +42,7 @@ class _Frames:
         self._number = frames
         self._kept: Responses | None = None
 
-    def add(self, responses: Responses, begun: Bools) -> Responses:
+    def add(self, responses: Responses, begun: Flags) -> Responses:
         """Observations, for the caller to keep; where an episode has begun the world is taken to
         have stood still before."""
         still = self._still(responses)
@@ -87,7 +86,7 @@ class EpisodesInTurn:
         return self._placed(returned)
 
     def advance(
-        self, actions: Iterable[Any], over: Bools, rngs: Sequence[np.random.Generator]
+        self, actions: Iterable[Any], over: Flags, rngs: Sequence[np.random.Generator]
     ) -> Where:
         """Where actions lead; those that are over start anew."""
         if self._steps[0] < 0:
@@ -191,7 +190,7 @@ class EpisodesTogether:
         self._before = self._states
         return self._poses, things
 
-    def advance(self, actions: Any, over: Bools, rngs: Sequence[np.random.Generator]) -> Where:
+    def advance(self, actions: Any, over: Flags, rngs: Sequence[np.random.Generator]) -> Where:
         """Where actions lead, first all that go on; then those that are over start anew."""
         if self._steps is None:
             raise Error("step: expected reset() before it")

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, expect, whole
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.gym.bounds import response_bounds
 from omma.rendering.renderer import Renderer
 from omma.scene.world_moves import indices_of
 
-Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
 
 _MOST_FRAMES = 4096

@@ -6,11 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
-
-Ints = NDArray[np.int64]
+from omma.base.arrays import Ints
 
 
 def check_states(states: Any, count: int, name: str) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from omma import _core
-from omma._core import Error, Eye
+from omma._core import Error
 from omma.base.arguments import checked
 from omma.base.backend_names import without_ordinals
 from omma.base.files import PathLike, digests_of, reading
@@ -22,7 +22,7 @@ from omma.base.said import (
     is_text,
     is_texts,
 )
-from omma.eye.files import load_eye
+from omma.eye.files import load_head
 from omma.job.render_job import RenderJob
 from omma.job.rendering import run_job
 from omma.job.reports import RenderReport
@@ -140,7 +140,7 @@ def check_scene(said: Said, scene: PathLike) -> None:
 def check_eyes(said: Said, eyes: Sequence[PathLike]) -> None:
     """omma.Error where eye files do not give the eye that it was."""
     was = said.take("eye_sha256", is_text)
-    digest = eye_digest(head_of(eyes, said.take("eye_unit_m", is_number)))
+    digest = eye_digest(load_head(eyes, said.take("eye_unit_m", is_number)))
     if digest != was:
         raise Error(
             f"{', '.join(os.fsdecode(eye) for eye in eyes)}: is not the eye that {said.where} was "
@@ -175,12 +175,6 @@ def check_cameras(said: Said) -> None:
             f"{path}: is not what the cameras of {said.where} were: SHA-256 was "
             f"{', '.join(was.values())}, is {', '.join(now.values())}"
         )
-
-
-def head_of(eyes: Sequence[PathLike], unit: str | float) -> Eye:
-    """Eye files as one head."""
-    loaded = [load_eye(eye, unit) for eye in eyes]
-    return loaded[0] if len(loaded) == 1 else _core.merge_eyes(loaded)
 
 
 def backend_word(backend: str) -> str:

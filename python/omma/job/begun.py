@@ -14,10 +14,10 @@ import numpy as np
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import as_named
-from omma.base.files import PathLike, metres_per_unit
+from omma.base.files import PathLike
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
 from omma.base.progress import Stage
-from omma.eye.files import load_eye
+from omma.eye.files import load_head
 from omma.job.outputs import output_names
 from omma.job.render_job import RenderJob
 from omma.motion.tracks import load_track
@@ -167,10 +167,8 @@ def _head(begun: Begun) -> tuple[Eye, list[str]]:
     """All eyes as one, and the files they came from."""
     job, camera = begun.job, begun.camera
     if job.eye_files:
-        metres = metres_per_unit("mm" if job.unit is None else job.unit)
-        eyes = [load_eye(name, metres) for name in job.eye_files]
-        merged = eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
-        return merged, [os.fsdecode(name) for name in job.eye_files]
+        head = load_head(job.eye_files, "mm" if job.unit is None else job.unit)
+        return head, [os.fsdecode(name) for name in job.eye_files]
     assert camera is not None
     own = camera_eye(begun.scene, camera, "m" if job.unit is None else job.unit)
     return _as_large(own, camera) if begun.own_eye_elsewhere else own, [own.path]

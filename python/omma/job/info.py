@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from omma._core import Error, Eye, Scene, SplatCloud
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
+from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_extent
@@ -58,7 +58,7 @@ def describe_file(
     path: PathLike,
     unit: str | float | None = None,
     up: str | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
     *,
     voxel_m: float | None = None,
 ) -> Lines:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from omma.base.poses import Matrices
-from omma.base.progress import Progress
+from omma.base.progress import Progress, Stage
 from omma.rendering.labels import camera_variables
 from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays, report_of
@@ -122,7 +122,7 @@ def render_pieces(
     writers: Sequence[Writer],
     poses: Matrices,
     pose_bytes: int,
-    tell: Callable[[str, float | None], object],
+    tell: Stage,
     save: Callable[[int, float], object] | None = None,
     first: int = 0,
 ) -> float:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 
 import numpy as np
 
 from omma._core import Error
+from omma.base.progress import Progress
 from omma.job.extents import describe_extent
 from omma.job.results_info import Lines
 from omma.scene.memory import free_bytes, words_for_bytes
@@ -52,7 +52,7 @@ def describe_points(
     path: str,
     unit: str | float = "m",
     up: str | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
     *,
     voxel_m: float | None = None,
 ) -> Lines:

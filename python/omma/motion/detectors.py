@@ -15,16 +15,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, whole
+from omma.base.arguments import Shape, array_of, checked, whole
+from omma.base.arrays import Floats, Ints
 from omma.base.values import value_class
 from omma.motion.filters import FilterStep, filter_step
 from omma.motion.pairs import displacements_rad, neighbour_pairs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Least ratio of the eigenvalues of an ommatidium's pair directions (35°): below it, its pairs lie
 # so nearly along one line that motion across it is not measured.
@@ -71,11 +69,10 @@ class DetectorArray:
         whole(self.count, "count", 1, 2**31 - 1)
         pairs = array_of(self.pairs, "pairs", (None, 2), np.int64)
         _check_pairs(pairs, self.count)
-        where = array_of(self.displacement_rad, "displacement_rad", (len(pairs), 2, 2))
-        if not np.isfinite(where).all():
-            raise Error("displacement_rad: expected finite numbers")
+        name = "displacement_rad"
+        where = array_of(self.displacement_rad, name, (len(pairs), 2, 2), finite=True)
         object.__setattr__(self, "pairs", pairs)
-        object.__setattr__(self, "displacement_rad", where)
+        object.__setattr__(self, name, where)
         self._filters  # noqa: B018  (checks the time constants)
 
     def __len__(self) -> int:
@@ -97,13 +94,7 @@ class DetectorArray:
         Raises:
             omma.Error: a wrong shape, or numbers that are not finite.
         """
-        now = array_of(frame, "frame")
-        if now.ndim not in (1, 2) or len(now) != self.count:
-            raise Error(
-                f"frame: expected shape ({self.count},) or ({self.count}, B), found {now.shape}"
-            )
-        if not np.isfinite(now).all():
-            raise Error("frame: expected finite numbers")
+        now = array_of(frame, "frame", [(self.count,), (self.count, "B")], finite=True)
         # A copy: the caller may render the next frame into the same array.
         after = self._at_rest(now.copy()) if state is None else self._next(state, now.copy())
         direct = after.frame - after.slow
@@ -124,12 +115,8 @@ class DetectorArray:
         Raises:
             omma.Error: a wrong shape, or numbers that are not finite.
         """
-        frames = array_of(responses, "responses", dtype=None)
-        if frames.ndim not in (2, 3) or frames.shape[1] != self.count:
-            raise Error(
-                f"responses: expected shape (T, {self.count}) or (T, {self.count}, B), found "
-                f"{frames.shape}"
-            )
+        shapes: list[Shape] = [("T", self.count), ("T", self.count, "B")]
+        frames = array_of(responses, "responses", shapes, dtype=None)
         outputs = np.empty((len(frames), len(self), *frames.shape[2:]))
         state = None
         for t, frame in enumerate(frames):

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import positive
+from omma.base.arrays import Floats
 
-Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 # Limits of the frame interval over a time constant: beyond, a filter does nothing or all.

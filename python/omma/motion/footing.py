@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
-from omma.motion.ground_rays import Floats, first_below, ray_bundle, shoot, upright
+from omma.base.arrays import Floats
+from omma.motion.ground_rays import first_below, ray_bundle, shoot, upright
 from omma.scene.world import World
 
 # How far up and down a leg reaches, in distances of the farthest leg from the middle: 63 degrees of

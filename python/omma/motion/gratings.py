@@ -14,13 +14,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import arrays_of, checked, positive, within
+from omma.base.arrays import Floats
 from omma.motion.filters import filter_step, transfer
-
-Floats = NDArray[np.float64]
 
 # Of a Gaussian of full width Δρ at half maximum: M = exp(-π²/(4 ln 2) (Δρ/λ)²).
 _GAUSSIAN = math.pi**2 / (4 * math.log(2))

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Eye, merge_eyes
+from omma.base.arrays import Floats
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.world import World
-
-Floats = NDArray[np.float64]
 
 # Most surfaces that a vertical line is followed through.
 LAYERS = 256

@@ -20,12 +20,10 @@ from scipy.sparse import csr_array
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole, within
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.field import sphere_directions
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Arms of a cell, in this order.
 ARMS = ("right", "up", "left", "down")
@@ -66,7 +64,7 @@ def expansion(
     Raises:
         omma.Error: a wrong shape, a direction of no length, or a radius out of its range.
     """
-    moved = _vectors_of(vectors, len(eye))
+    moved = array_of(vectors, "vectors", (..., len(eye), 2))
     middle = _centers_of(np.atleast_2d(array_of(center, "center", (3,))), "center")[0]
     theta, outward, _ = _around(eye, middle)
     near = (theta > _LEAST_AWAY) & (theta < math.radians(within(radius_deg, "radius_deg", 0, 180)))
@@ -99,16 +97,14 @@ class LoomingCells:
 
     def __post_init__(self) -> None:
         whole(self.count, "count", 1, 2**31 - 1)
-        center = array_of(self.center, "center", (None, 3))
-        along = array_of(self.along, "along", (None, 2))
+        center = array_of(self.center, "center", (None, 3), finite=True)
+        along = array_of(self.along, "along", (None, 2), finite=True)
         limits = {"cell": len(center), "arm": len(ARMS), "ommatidium": self.count}
         for name, limit in limits.items():
             index = array_of(getattr(self, name), name, (len(along),), np.int64)
             if len(index) and (index.min() < 0 or index.max() >= limit):
                 raise Error(f"{name}: expected numbers from 0 to {limit - 1}")
             object.__setattr__(self, name, index)
-        if not (np.isfinite(center).all() and np.isfinite(along).all()):
-            raise Error("center, along: expected finite numbers")
         object.__setattr__(self, "center", center)
         object.__setattr__(self, "along", along)
 
@@ -130,7 +126,7 @@ class LoomingCells:
         Raises:
             omma.Error: a wrong shape.
         """
-        moved = _vectors_of(vectors, self.count)
+        moved = array_of(vectors, "vectors", (..., self.count, 2))
         flat = moved.reshape(-1, self.count, 2)
         counts = np.asarray(np.isfinite(flat).all(axis=-1))
         seen = np.where(counts[..., None], flat, 0).reshape(len(flat), -1)
@@ -262,13 +258,6 @@ def _in_frames(eye: Eye, which: NDArray[np.generic], ways: Floats) -> Floats:
     """Directions (K, 3) as right and up (K, 2) of these ommatidia."""
     right, up = (normalized(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
     return np.stack([np.sum(ways * right, axis=1), np.sum(ways * up, axis=1)], axis=1)
-
-
-def _vectors_of(vectors: ArrayLike, count: int) -> Floats:
-    moved = array_of(vectors, "vectors")
-    if moved.shape[-2:] != (count, 2):
-        raise Error(f"vectors: expected shape (..., {count}, 2), found {moved.shape}")
-    return moved
 
 
 def _centers_of(directions: Floats, name: str) -> Floats:

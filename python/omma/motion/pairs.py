@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.eye.hexagonal import DIRECTIONS, hexagonal_coordinates
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @checked

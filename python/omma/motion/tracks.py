@@ -6,15 +6,13 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive
-from omma.base.files import open_text
-from omma.base.poses import read_table
+from omma.base.arrays import Floats
+from omma.base.tables import read_table
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
 
 _TIME, _PLACE, _HEADING = ("t_s",), ("x_m", "z_m"), ("heading_deg",)
 # Least growth of a whole number of steps by which a last one still counts.
@@ -43,13 +41,13 @@ class Track:
     """(P,), s, growing. None: not known."""
 
     def __post_init__(self) -> None:
-        given = {"xz_m": array_of(self.xz_m, "xz_m", (None, 2))}
+        given = {"xz_m": array_of(self.xz_m, "xz_m", (None, 2), finite=True)}
         for name in ("heading_deg", "times_s"):
             if getattr(self, name) is not None:
-                given[name] = array_of(getattr(self, name), name, (len(given["xz_m"]),))
+                given[name] = array_of(
+                    getattr(self, name), name, (len(given["xz_m"]),), finite=True
+                )
         for name, values in given.items():
-            if not np.isfinite(values).all():
-                raise Error(f"{name}: expected finite numbers")
             object.__setattr__(self, name, values)
         if len(given["xz_m"]) == 0:
             raise Error("xz_m: expected a position or more, found none")
@@ -100,7 +98,7 @@ def load_track(path: str | os.PathLike[str]) -> Track:
     """
     name = os.fsdecode(path)
     headers = [(*time, *_PLACE, *heading) for time in (_TIME, ()) for heading in ((), _HEADING)]
-    columns, table = read_table(open_text(path), name, headers, "position")
+    columns, table, _ = read_table(path, headers, "position")
     of = dict(zip(columns, table.T, strict=True))
     try:
         return Track(np.column_stack([of["x_m"], of["z_m"]]), of.get("heading_deg"), of.get("t_s"))

@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Scene
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.base.poses import Matrices, as_poses
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.motion.footing import Below, rounding_m, standing
-from omma.motion.ground_rays import Floats, first_below, ray_bundle, shoot, upright
+from omma.motion.ground_rays import first_below, ray_bundle, shoot, upright
 from omma.motion.tracks import Track, heading_along
 from omma.rendering.renderer import Renderer
 from omma.scene.world import World
@@ -215,14 +217,14 @@ def _across(
     height = first_below(down, around, np.repeat(step_m, 4), on)[0].reshape(-1, 4)
     rise = (height[:, [0, 2]] - height[:, [1, 3]]) / span_m
     normal = np.column_stack([-rise[:, 0], np.ones(len(rise)), -rise[:, 1]])
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+    return normalized(normal)
 
 
 def _poses(points: Floats, foot: Floats, normal: Floats, yaw: Floats, height_m: float) -> Matrices:
-    up = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    up = normalized(normal)
     forward = np.column_stack([np.sin(yaw), np.zeros(len(yaw)), -np.cos(yaw)])
     forward[:, 1] = -(up * forward).sum(axis=1) / up[:, 1]  # along the plane, by the same azimuth
-    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
+    forward = normalized(forward)
     poses = upright(np.column_stack([points[:, 0], foot, points[:, 1]]) + height_m * up)
     poses[:, :3, 0], poses[:, :3, 1], poses[:, :3, 2] = np.cross(forward, up), up, -forward
     return poses

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Whole = NDArray[np.int64]
+from omma.base.arrays import Floats, Ints
 
 # Of panoramas: finer than any compound eye.
 _MOST_ROWS = 2048
@@ -23,14 +22,14 @@ _MOST_UNEVEN = 1.2
 _MOST_DIVISIONS = 17
 
 
-def face_of(direction: Floats) -> Whole:
+def face_of(direction: Floats) -> Ints:
     """The face (...,) that a direction (..., 3) meets."""
     axis = np.abs(direction).argmax(axis=-1)
     along = np.take_along_axis(direction, axis[..., None], -1)[..., 0]
     return np.asarray(2 * axis + (along < 0), np.int64)
 
 
-def on_face(direction: Floats, face: Whole) -> Floats:
+def on_face(direction: Floats, face: Ints) -> Floats:
     """Texture coordinates (..., 2) of directions (..., 3) on the faces (...,) that they meet."""
     x, y, z = np.moveaxis(direction, -1, 0)
     right = np.choose(face, [-z, z, x, x, x, -x])
@@ -41,7 +40,7 @@ def on_face(direction: Floats, face: Whole) -> Floats:
 
 
 def cut_by_faces(
-    triangles: Whole, direction: Floats, *values: Floats
+    triangles: Ints, direction: Floats, *values: Floats
 ) -> list[tuple[int, Floats, list[Floats]]]:
     """Triangles (T, 3) cut where the directions (V, 3) of their vertices pass from face to face.
 

@@ -6,13 +6,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive, within
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.base.optional import needs
-
-Floats = NDArray[np.float64]
 
 # What FlyGym 2.1 has in its vision.yaml.
 FOVY_DEG, DISTORTION, ZOOM = 157.0, 3.8, 2.72
@@ -70,7 +70,7 @@ def camera_directions(
     half = np.tan(np.radians(within(fovy_deg, "fovy_deg", 1, 179)) / 2)
     right, down = half * (2 * column - columns) / rows, half * (2 * row - rows) / rows
     direction = np.stack([right, -down, -np.ones_like(right)], -1)
-    direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
+    direction = normalized(direction)
     return direction
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import PunctualLight
+from omma.base.directions import tangents
 from omma.mujoco.models import names_of
 
 # mjtLightType
@@ -67,10 +68,7 @@ def _square_over_fading(model: Any, light: int, position: NDArray[np.float64]) -
 def _looking(position: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
     """``world_from_light``, whose -Z is a direction."""
     back = -along / max(float(np.linalg.norm(along)), 1e-12)
-    across = np.eye(3)[np.abs(back).argmin()]
-    right = np.cross(across, back)
-    right /= np.linalg.norm(right)
     found = np.eye(4)
-    found[:3, :3] = np.stack([right, np.cross(back, right), back], 1)
+    found[:3, :3] = np.stack([*tangents(back), back], 1)
     found[:3, 3] = position
     return found

@@ -12,11 +12,11 @@ from scipy.spatial import cKDTree
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.mujoco.fly_eyes import (
     DISTORTION,
     FOVY_DEG,
     ZOOM,
-    Floats,
     bent_directions,
     camera_directions,
     fly_eye,

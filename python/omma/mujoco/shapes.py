@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats, Ints
+from omma.base.directions import normalized
 from omma.mujoco.models import (
     BOX,
     CAPSULE,
@@ -23,9 +24,6 @@ from omma.mujoco.models import (
     SDF,
     SPHERE,
 )
-
-Floats = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 # Sides of what is round: its outline lies within by at most 1 - cos(pi / 96), 0.05 % of the radius.
 _SLICES = 96
@@ -48,7 +46,7 @@ class Shape:
     """
 
     positions: Floats
-    triangles: Whole
+    triangles: Ints
     normals: Floats | None
     local: Floats
     once: Floats | None = None
@@ -142,7 +140,7 @@ def _field_normals(top: Floats) -> Floats:
     across = np.gradient(top, axis=1)
     along = np.gradient(top, axis=0)
     normals = np.cross(across, along).reshape(-1, 3)
-    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    return normalized(normals)
 
 
 def _mesh(model: Any, mesh: int) -> Shape:
@@ -169,7 +167,7 @@ def _mesh(model: Any, mesh: int) -> Shape:
 def _scaled(shape: Shape, half: Floats) -> Shape:
     normals = None if shape.normals is None else shape.normals / half
     if normals is not None:
-        normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = normalized(normals)
     return Shape(shape.positions * half, shape.triangles, normals, shape.local, shape.once)
 
 
@@ -250,7 +248,7 @@ def _ring() -> Floats:
     return np.stack([np.cos(angle), np.sin(angle), np.zeros(_SLICES + 1)], -1)
 
 
-def _grid(rows: int) -> Whole:
+def _grid(rows: int) -> Ints:
     """Triangles between ``rows + 1`` rings, listed from the lowest."""
     row, column = np.divmod(np.arange(rows * _SLICES), _SLICES)
     lower = row * (_SLICES + 1) + column

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.mujoco.models import mujoco_module
-
-Floats = NDArray[np.float64]
 
 
 def skin_triangles(model: Any, skin: int) -> NDArray[np.int64]:

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, within
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.optional import needs
 from omma.base.values import value_class
@@ -29,8 +30,6 @@ from omma.photoreceptors.adaptation import light_of
 if TYPE_CHECKING:
     import xarray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # One event: when, s; which; +1 for brightening (ON), -1 for darkening (OFF).
 EVENT = np.dtype([("time_s", "f8"), ("ommatidium", "i4"), ("receptor", "i4"), ("polarity", "i1")])
@@ -129,8 +128,7 @@ class EventSensor:
                 before; for "log" responses that are negative, or 0 where ``dark`` is 0.
         """
         now = self._signal_of(frame, "frame")
-        if now.ndim not in (1, 2):
-            raise Error(f"frame: expected shape (N,) or (N, R), found {now.shape}")
+        array_of(now, "frame", [("N",), ("N", "R")])
         at = _time(time_s, state)
         if state is None:
             for name in ("on_threshold", "off_threshold"):
@@ -155,9 +153,7 @@ class EventSensor:
         Raises:
             omma.Error: a wrong shape, and what `step` raises.
         """
-        frames = array_of(responses, "responses", dtype=None)
-        if frames.ndim not in (2, 3):
-            raise Error(f"responses: expected shape (T, N) or (T, N, R), found {frames.shape}")
+        frames = array_of(responses, "responses", [("T", "N"), ("T", "N", "R")], dtype=None)
         times = array_of(times_s, "times_s", (len(frames),))
         found, state = [np.empty(0, EVENT)], None
         for frame, at in zip(frames, times):

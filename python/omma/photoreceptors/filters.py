@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect, positive
+from omma.base.arrays import Floats
 from omma.photoreceptors.impulse_response import ImpulseResponse
-
-Floats = NDArray[np.float64]
 
 # Share of |h| that may be cut off after the last frame; weights are rescaled so that steady light
 # is kept.

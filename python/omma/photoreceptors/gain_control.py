@@ -13,15 +13,14 @@ import functools
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import checked, positive
+from omma.base.arrays import Floats
 from omma.photoreceptors.adaptation import light_of
 from omma.photoreceptors.filters import FrameFilter
 from omma.photoreceptors.impulse_response import ImpulseResponse
-
-Floats = NDArray[np.float64]
 
 # Phototransduction: three low-pass filters of first order one after another.
 PRE_TIME_S, PRE_ORDER = 1.69e-3, 3

@@ -6,14 +6,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive, within
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.photoreceptors import knots
-
-Floats = NDArray[np.float64]
 
 SHAPES = ("howard", "exponential", "box", "table")
 
@@ -222,9 +221,7 @@ class ImpulseResponse:
         are late) by how much it is behind. In closed form but for the log-normal, which has none
         and is integrated to about 1e-12.
         """
-        frequency = array_of(frequency_hz, "frequency_hz")
-        if not np.all(np.isfinite(frequency)):
-            raise Error("frequency_hz: expected finite numbers")
+        frequency = array_of(frequency_hz, "frequency_hz", finite=True)
         w = 2 * np.pi * frequency
         if self.shape == "exponential":
             return 1 / (1 + 1j * w * self.time_s)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 # Below this phase across a segment (rad) the closed form cancels, and its series is taken: the
 # first term left out is 1e-13 of the first.

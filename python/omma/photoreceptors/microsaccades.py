@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.photoreceptors.adaptation import light_of
 from omma.photoreceptors.filters import filter_frames
 from omma.photoreceptors.impulse_response import ImpulseResponse
-
-Floats = NDArray[np.float64]
 
 # Beyond a quarter turn an axis would look at the back of its own eye.
 _WIDEST_RAD = np.pi / 2
@@ -111,14 +111,9 @@ def displace_axes(
             raise Error(f"{name}: expected vectors of length 1")
     if not np.all(np.abs(np.sum(looking * upwards, axis=1)) < _UNIT):
         raise Error("up: expected vectors across the axes")
-    angle, towards = array_of(angle_rad, "angle_rad"), array_of(towards_rad, "towards_rad")
-    if angle.shape[-1:] != (count,):
-        raise Error(f"angle_rad: expected shape (..., {count}), found {angle.shape}")
-    if towards.shape not in ((), (count,)):
-        raise Error(f"towards_rad: expected a number or shape ({count},), found {towards.shape}")
-    if not np.all(np.isfinite(angle)) or not np.all(np.isfinite(towards)):
-        raise Error("angle_rad, towards_rad: expected finite numbers")
+    angle = array_of(angle_rad, "angle_rad", (..., count), finite=True)
+    towards = array_of(towards_rad, "towards_rad", [(), (count,)], finite=True)
     right = np.cross(looking, upwards)
     across = np.cos(towards)[..., None] * upwards + np.sin(towards)[..., None] * right
     turned = np.cos(angle)[..., None] * looking + np.sin(angle)[..., None] * across
-    return np.asarray(turned / np.linalg.norm(turned, axis=-1, keepdims=True))
+    return normalized(turned)

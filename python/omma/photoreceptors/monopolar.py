@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect, within
+from omma.base.arrays import Floats
 from omma.photoreceptors.filters import filter_frames
 from omma.photoreceptors.impulse_response import ImpulseResponse
-
-Floats = NDArray[np.float64]
 
 # The hover fly Eristalis tenax in bright light (James 1990, as quoted in J Vis, article 2121186).
 _EXCITATION = ImpulseResponse("howard", 10.3e-3, 0.236)
@@ -60,11 +59,9 @@ def large_monopolar(
         omma.Error: signals of another number of ommatidia than ``neighbours``, indices that are no
             ommatidia, weights that are negative, more than 1 together or of another number.
     """
-    given = array_of(signals, "signals")
+    given = array_of(signals, "signals", finite=True)
     if given.ndim < 2 or given.shape[0] == 0:
         raise Error(f"signals: expected shape (frames, ommatidia, ...), found {given.shape}")
-    if not np.all(np.isfinite(given)):
-        raise Error("signals: expected finite numbers")
     index = array_of(neighbours, "neighbours", (None, None), np.int64)
     count = given.shape[1]
     if len(index) != count:

@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
-
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 # From here on a Poisson number is drawn as a normal one: it differs from it by a skewness of 1e-5,
 # while drawing it directly would lose its digits.

@@ -10,6 +10,7 @@ import numpy as np
 
 from omma._core import Acceptance, Error, Eye
 from omma.base.arguments import checked
+from omma.base.arrays import Floats
 from omma.base.figures import (
     COLOURS,
     GREY,
@@ -22,7 +23,6 @@ from omma.base.figures import (
 )
 from omma.base.files import PathLike
 from omma.eye.measures import EyeMeasures, measure_eye
-from omma.eye.neighbours import Floats
 from omma.picture.eye_maps import eye_title
 
 if TYPE_CHECKING:

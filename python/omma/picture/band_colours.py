@@ -9,11 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Scene
 from omma.base.arguments import array_of, checked, expect
+from omma.base.arrays import Floats
 from omma.light import Light
 from omma.scene.white import emitted_luminance, white_luminance, xyz_from_bands
 from omma.scene.world import World
-
-Floats = NDArray[np.float64]
 
 # Linear sRGB of CIE 1931 XYZ (IEC 61966-2-1).
 _RGB_FROM_XYZ = np.array(
@@ -76,9 +75,7 @@ _last: tuple[weakref.ref[Light], Floats] | None = None  # of the light that was 
 
 
 def _product(radiance: ArrayLike, light: Light, rgb_from_bands: Floats) -> NDArray[np.float32]:
-    seen = array_of(radiance, "radiance")
-    if seen.shape[-1:] != (len(light.bands),):
-        raise Error(f"radiance: expected shape (..., {len(light.bands)}), found {seen.shape}")
+    seen = array_of(radiance, "radiance", (..., len(light.bands)))
     return np.asarray(seen @ rgb_from_bands.T, np.float32)
 
 

@@ -6,17 +6,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import checked, positive
+from omma.base.arrays import Floats
 from omma.base.figures import COLOURS, GREY, MM, figure_names, figure_style, load_matplotlib
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.base.poses import as_poses
 from omma.scene.capture_cameras import CaptureCameras
-
-Floats = NDArray[np.float64]
 
 # Around all that is drawn, and how long a camera's line of sight is, of the longest side, which is
 # so many metres at least.

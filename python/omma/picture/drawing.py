@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, positive
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.base.figures import INK, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike
 from omma.eye.measures import EyeMeasures, measure_eye
@@ -23,7 +25,6 @@ from omma.eye.neighbours import sides, surface_lattice, surface_normals
 from omma.eye.properties import EyeProperty, eye_property, is_known
 from omma.picture.eye_maps import colour_scale
 
-Floats = NDArray[np.float64]
 Style = Literal["facets", "axes", "both"]
 
 _MM = 1e3  # drawings are laid out in millimetres
@@ -191,7 +192,7 @@ def _corners(drawing: _Drawing) -> list[Floats]:
     aside = np.cross(normal, np.array([0.0, 1.0, 0.0]))
     flat = np.linalg.norm(aside, axis=1, keepdims=True) < 1e-6
     aside = np.where(flat, np.array([1.0, 0.0, 0.0]), aside)
-    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+    aside = normalized(aside)
     over = np.cross(aside, normal)
 
     def azimuth(of: NDArray[np.int64], point: Floats) -> Floats:

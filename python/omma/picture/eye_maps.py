@@ -9,7 +9,7 @@ top, as in all pictures.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ import numpy as np
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked
+from omma.base.arrays import Flags, Floats, Ints
 from omma.base.directions import direction
 from omma.base.figures import (
     COLOURS,
@@ -29,9 +30,9 @@ from omma.base.figures import (
     save_figure,
 )
 from omma.base.files import PathLike
+from omma.base.progress import Stage
 from omma.eye.field import in_field
 from omma.eye.measures import EyeMeasures, measure_eye
-from omma.eye.neighbours import Flags, Floats, Ints
 from omma.eye.properties import EyeProperty, eye_property, is_known
 from omma.picture.fields import largest_cell_sr, without_gaps
 from omma.picture.map_projections import (
@@ -74,7 +75,7 @@ def make_map(
     measures: EyeMeasures,
     projection: Projection,
     width: int | None = None,
-    progress: Callable[[str, float | None], object] | None = None,
+    progress: Stage | None = None,
 ) -> EyeMap:
     """The map of an eye, ``width`` pixels wide; 1100 where it is left out.
 
@@ -139,7 +140,7 @@ def plot_eye_maps(
     projection: Projection = "mollweide",
     title: str | None = None,
     measures: EyeMeasures | None = None,
-    progress: Callable[[str, float | None], object] | None = None,
+    progress: Stage | None = None,
 ) -> None:
     """Write maps of an eye's properties to `.pdf`, `.svg` and `.png`: a panel each.
 

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from omma.eye.neighbours import Floats
+from omma.base.arrays import Floats
 
 Projection = Literal["mercator", "mollweide", "lambert"]
 PROJECTIONS: tuple[Projection, ...] = ("mercator", "mollweide", "lambert")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from omma._core import Eye, ReceptorType
 from omma.base.arguments import checked
+from omma.base.arrays import Floats
 from omma.base.figures import (
     COLOURS,
     GREY,
@@ -22,8 +23,8 @@ from omma.base.figures import (
     save_figure,
 )
 from omma.base.files import PathLike
+from omma.base.progress import Stage
 from omma.eye.measures import DIFFRACTION_LIMIT, EyeMeasures, diffraction_limit_m_rad, measure_eye
-from omma.eye.neighbours import Floats
 from omma.eye.properties import EyeProperty, eye_property, is_known
 from omma.eye.report import SPREADS, eye_summary
 from omma.picture.acceptance_plots import choose, draw_profiles, draw_transfer
@@ -63,7 +64,7 @@ def plot_poster(
     facts: Sequence[PosterFact] = (),
     sources: Sequence[str] = (),
     measures: EyeMeasures | None = None,
-    progress: Callable[[str, float | None], object] | None = None,
+    progress: Stage | None = None,
 ) -> None:
     """Write a poster of an eye, an A3 page (420 x 297 mm), to `.pdf`, `.svg` and `.png`.
 
@@ -121,7 +122,7 @@ def plot_species(
     species: Species,
     *,
     measures: EyeMeasures | None = None,
-    progress: Callable[[str, float | None], object] | None = None,
+    progress: Stage | None = None,
 ) -> None:
     """`plot_poster` of an animal of `omma.species`, with its facts, their standing and sources.
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.base.figures import INK
-from omma.eye.neighbours import Floats
 from omma.picture.eye_maps import draw_graticule
 from omma.picture.map_projections import MAP_HALVES, Projection
 

@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 
 from omma import _core
-from omma._core import Error, Eye
+from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of
-from omma.eye.neighbours import Floats, Ints
+from omma.base.arrays import Floats, Ints
 from omma.receptors.sensitivity import ommatidium_of_receptor, spectral_sensitivity
 
 #: A band by its number or a receptor by its name.
 Channel = int | str
 
 # What a legend calls a kind of receptor, its types, and those that stand in where one is missing.
+_Types = Sequence[ReceptorType]
 _Kind = tuple[str, list[int], list[int]]
 
 # What the channels of a picture in colours are shown as, from the first on.
@@ -125,64 +126,64 @@ def as_colours(values: Floats, full_scale: float, gamma: float) -> Floats:
 def _kinds(eye: Eye, crossed_apart: bool) -> list[_Kind]:
     """Receptor types by peak wavelength, the longest first, and where crossed ones are to be told
     apart by the direction of their microvilli."""
+    known = eye.receptor_types
     peaks: dict[int, list[int]] = {}
     for which in np.unique(eye.receptor_type).tolist():
-        peaks.setdefault(_peak_nm(eye, which), []).append(which)
+        peaks.setdefault(_peak_nm(known[which]), []).append(which)
     kinds: list[_Kind] = []
     for peak in sorted(peaks, reverse=True):
         types = peaks[peak]
-        directions = _directions_deg(eye, types)
+        directions = _directions_deg(known, types)
         groups = [types]
         if crossed_apart and len(directions) > 1:
-            groups = [[k for k in types if _direction_deg(eye, k) == d] for d in directions]
+            groups = [[k for k in types if _direction_deg(known[k]) == d] for d in directions]
             # Those that tell no directions apart are in every group.
-            plain = [k for k in types if _direction_deg(eye, k) is None]
+            plain = [k for k in types if _direction_deg(known[k]) is None]
             groups = [sorted([*each, *plain]) for each in groups]
-        kinds += [(_label(eye, each, peak, len(directions) > 1), each, types) for each in groups]
+        kinds += [(_label(known, each, peak, len(directions) > 1), each, types) for each in groups]
     return kinds
 
 
 def _named(eye: Eye, channels: Sequence[Channel]) -> list[_Kind]:
-    present = set(np.unique(eye.receptor_type).tolist())
-    known = [(k, t.name) for k, t in enumerate(eye.receptor_types) if k in present]
+    known = eye.receptor_types
+    present = np.unique(eye.receptor_type).tolist()
     kinds: list[_Kind] = []
     for each in channels:
-        types = [k for k, name in known if name == each]
+        types = [k for k in present if known[k].name == each]
         if not types:
-            names = ", ".join(dict.fromkeys(name for _, name in known))
+            names = ", ".join(dict.fromkeys(known[k].name for k in present))
             raise Error(f"channels: expected receptors of this eye ({names}), found {each!r}")
-        peak = _peak_nm(eye, types[0])
-        kinds.append((_label(eye, types, peak, len(_directions_deg(eye, types)) > 1), types, types))
+        peak = _peak_nm(known[types[0]])
+        crossed = len(_directions_deg(known, types)) > 1
+        kinds.append((_label(known, types, peak, crossed), types, types))
     return kinds
 
 
-def _label(eye: Eye, types: Sequence[int], peak: int, crossed: bool) -> str:
+def _label(known: _Types, types: Sequence[int], peak: int, crossed: bool) -> str:
     """What a legend calls receptors: names, peak, and where it matters their microvilli."""
-    names = list(dict.fromkeys(eye.receptor_types[which].name for which in types))
+    names = list(dict.fromkeys(known[which].name for which in types))
     text = ", ".join(names) if len(names) <= 2 else f"{names[0]} to {names[-1]}"
     if not crossed:
         return f"{text} ({peak} nm)"
-    degrees = [f"{d}°" for d in _directions_deg(eye, types)]
+    degrees = [f"{d}°" for d in _directions_deg(known, types)]
     many = f"mean of {len(degrees)} directions of microvilli"
     several = f"mean of microvilli at {', '.join(degrees)}" if len(degrees) <= 3 else many
     return f"{text} ({peak} nm, {f'microvilli {degrees[0]}' if len(degrees) == 1 else several})"
 
 
-def _direction_deg(eye: Eye, which: int) -> int | None:
+def _direction_deg(receptor: ReceptorType) -> int | None:
     """Of a type's microvilli, 0 to 179, from up towards right; None where they tell nothing."""
-    receptor = eye.receptor_types[which]
     if receptor.polarisation_sensitivity <= _POLARISED:
         return None
     return round(math.degrees(receptor.microvillus_angle_rad)) % 180
 
 
-def _directions_deg(eye: Eye, types: Sequence[int]) -> list[int]:
-    found = {_direction_deg(eye, which) for which in types}
+def _directions_deg(known: _Types, types: Sequence[int]) -> list[int]:
+    found = {_direction_deg(known[which]) for which in types}
     return sorted(each for each in found if each is not None)
 
 
-def _peak_nm(eye: Eye, which: int) -> int:
-    receptor = eye.receptor_types[which]
+def _peak_nm(receptor: ReceptorType) -> int:
     if receptor.peak_wavelength_nm:
         return round(receptor.peak_wavelength_nm)
     sensitivity = np.asarray(spectral_sensitivity(receptor, _WAVELENGTHS_NM))

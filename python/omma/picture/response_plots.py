@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, expect, positive
+from omma.base.arrays import Floats
 from omma.base.figures import MM, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike
-from omma.eye.neighbours import Floats, sides
+from omma.eye.neighbours import sides
 from omma.light import Light
 from omma.picture.eye_maps import eye_title, file_title
 from omma.picture.kept_ids import Ids
@@ -175,8 +176,7 @@ def _all_shown(
     if len(arrays) != len(eyes):
         raise Error(f"{name}: expected {len(eyes)} arrays, one for each eye, found {len(arrays)}")
     for array in arrays:
-        if not np.isfinite(array_of(array, name)).all():
-            raise Error(f"{name}: expected finite numbers")
+        array_of(array, name, finite=True)
     of = receptors_shown if receptors else partial(bands_shown, centers_nm=centers_nm(light))
     shown = [of(eye, array, channels, name) for eye, array in zip(eyes, arrays, strict=True)]
     kinds = {len(each.names) for each in shown}

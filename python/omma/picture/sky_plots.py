@@ -10,17 +10,15 @@ from datetime import datetime
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style, load_matplotlib
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.light.lights import Light
-
-Floats = NDArray[np.float64]
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw

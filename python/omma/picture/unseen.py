@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Flags
+
 Ids = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 # Pixels of these that show no ommatidium are no directions: there is nothing to see or to miss.
 _WITHOUT_DIRECTIONS = (

@@ -6,16 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of, checked, whole
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.light.bands import Bands
 from omma.light.lights import Light
 from omma.receptors.sensitivity import receptor_matrix
-
-Floats = NDArray[np.float64]
 
 # What stands for the truth: bands of 5 nm, so fine that halving them changes catches by 0.1 %.
 _FINE = 80

@@ -5,10 +5,11 @@ polarisation.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
 from omma.light.lights import Light
 from omma.receptors.sensitivity import (
     of_each_sensitivity,
@@ -16,8 +17,6 @@ from omma.receptors.sensitivity import (
     sensitivity_integral_nm,
 )
 from omma.receptors.solid_angles import Field
-
-Floats = NDArray[np.float64]
 
 
 @checked

@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Flags
 from omma.base.values import value_class
-
-Flags = NDArray[np.bool_]
 
 # A region of an eye: a mask (N,), or a function of azimuth and elevation (N,), rad, that gives one.
 Region = ArrayLike | Callable[[NDArray[np.float64], NDArray[np.float64]], ArrayLike]

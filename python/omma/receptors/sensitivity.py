@@ -17,10 +17,10 @@ from omma import _core
 from omma._core import Error, Eye
 from omma._core import ReceptorType as ReceptorType
 from omma.base.arguments import array_of, arrays_of, checked
+from omma.base.arrays import Floats
 from omma.light.bands import Bands, band_means
 from omma.receptors.solid_angles import Field, receptor_solid_angle_sr
 
-Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
 
 # Light that receptors are asked about.

@@ -12,12 +12,11 @@ import math
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Acceptance, Error, Eye
 from omma.base.arguments import array_of, checked, one_of
-
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 # Whose solid angle: the acceptance's own, or Land's disc.
 Field = Literal["acceptance", "land"]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
-from omma.base.progress import Progress
+from omma.base.progress import Progress, share_of
 from omma.rendering.call import Responses
 from omma.rendering.moves import MOST_UNSEEN
 from omma.rendering.renderer import Renderer
@@ -65,9 +65,7 @@ def render_agents(
     for a, renderer in enumerate(renderers):
         if renderer.world is not world:
             raise Error(f"renderers[{a}]: expected one of the world of renderers[0], found another")
-    heads = array_of(poses, "poses")
-    if heads.ndim != 4 or heads.shape[1:] != (animals, 4, 4):
-        raise Error(f"poses: expected shape (frames, {animals}, 4, 4), found {heads.shape}")
+    heads = array_of(poses, "poses", ("frames", animals, 4, 4))
     frames = len(heads)
     times = None if times_s is None else array_of(times_s, "times_s", (frames,))
     held = _held(world, bodies, animals)
@@ -86,23 +84,18 @@ def render_agents(
             options: dict[str, Any] = {
                 "unseen": [held[a][0] for a in group] * count,
                 "unseen_by_light": unseen_by_light,
+                "progress": share_of(progress, done, min(done + share, 1.0)),
             }
             if things:
                 options["instances"] = things
                 options["transforms"] = np.repeat(placed[piece], size, axis=0)
             if times is not None:
                 options["times_s"] = np.repeat(times[piece], size)
-            if progress is not None:
-                options["progress"] = _share_of(progress, done, share)
             found = renderer.render(heads[piece][:, group].reshape(-1, 4, 4), **options)
             done += share
             for k, a in enumerate(group):
                 responses[a][piece] = found[k::size]
     return responses
-
-
-def _share_of(progress: Progress, done: float, share: float) -> Progress:
-    return lambda fraction: progress(min(done + share * fraction, 1.0))
 
 
 def _rendered_together(renderers: Sequence[Renderer]) -> list[list[int]]:

@@ -15,14 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Background, Error
 from omma.base.arguments import array_of, checked, whole
+from omma.base.arrays import Floats
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
 from omma.rendering.call import Call, Poses, Prepared, Responses, poses_of
 from omma.rendering.settings import fixed_samples, frame_number
 from omma.scene.world import World
 from omma.scene.world_colors import index_of
-
-Floats = NDArray[np.float64]
 
 # What `color_jacobian` calls the world's background.
 BACKGROUND = "background"
@@ -148,9 +147,8 @@ def background_vjp(
     rows, columns = array_of(shape, "shape", (2,), np.int64).tolist()
     size = whole(rows, "shape", 1, 1 << 15), whole(columns, "shape", 1, 1 << 15)
     matrices = poses_of(self, poses)
-    weights = array_of(cotangent, "cotangent", (len(matrices), len(self.eye), self.bands))
-    if not np.isfinite(weights).all():
-        raise Error("cotangent: expected finite numbers")
+    expected = (len(matrices), len(self.eye), self.bands)
+    weights = array_of(cotangent, "cotangent", expected, finite=True)
     lift = _band_from_rgb(self.world)
     lift = np.eye(3) if lift is None else lift
     gradient = np.zeros((size[0] * size[1], 3))

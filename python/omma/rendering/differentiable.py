@@ -8,14 +8,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.rendering.call import Poses, poses_of
 from omma.rendering.gradients import PARAMETERS, Jacobian, Parameter
 from omma.rendering.renderer import Renderer
-
-Floats = NDArray[np.float64]
 
 
 def expect_no_gradient(asked: bool) -> None:

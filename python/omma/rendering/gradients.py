@@ -26,13 +26,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, expect, one_of
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared, Responses, poses_of
 from omma.rendering.settings import Fixed, fixed_samples
-
-Floats = NDArray[np.float64]
 
 Parameter = Literal["acceptance_angle_rad", "axis", "rotation_rad"]
 PARAMETERS: tuple[Parameter, ...] = get_args(Parameter)
@@ -92,7 +92,7 @@ class Jacobian:
         Raises:
             omma.Error: another shape, a cotangent that is not finite.
         """
-        weights = _cotangent(cotangent, self.responses.shape)
+        weights = array_of(cotangent, "cotangent", self.responses.shape, finite=True)
         summed = {"acceptance_angle_rad": "pnc,pnc->n", "axis": "pnc,pnci->ni"}
         return {
             name: np.einsum(summed.get(name, "pnc,pnci->pi"), weights, value)
@@ -105,13 +105,6 @@ class Jacobian:
         return self.values[name]
 
 
-def _cotangent(value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    weights: Floats = array_of(value, "cotangent", shape)
-    if not np.isfinite(weights).all():
-        raise Error("cotangent: expected finite numbers")
-    return weights
-
-
 def _tangents(
     tangents: Mapping[Parameter, ArrayLike], poses: int, ommatidia: int
 ) -> dict[Parameter, Floats]:
@@ -122,20 +115,12 @@ def _tangents(
         "axis": (ommatidia, 3),
         "rotation_rad": (poses, 3),
     }
-    return {
-        name: _tangent(value, name, size[one_of(name, PARAMETERS, "tangents")])
-        for name, value in tangents.items()
-    }
-
-
-def _tangent(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
-    """An array of that shape, or what stands for all of its rows."""
-    given = array_of(value, name)
-    if given.shape not in (shape, shape[1:]):
-        raise Error(f"{name}: expected shape {shape} or {shape[1:]}, found {given.shape}")
-    if not np.isfinite(given).all():
-        raise Error(f"{name}: expected finite numbers")
-    return np.broadcast_to(given, shape)
+    found = {}
+    for name, value in tangents.items():
+        rows = size[one_of(name, PARAMETERS, "tangents")]
+        given = array_of(value, name, [rows, rows[1:]], finite=True)  # each row's, or one
+        found[name] = np.broadcast_to(given, rows)
+    return found
 
 
 @checked
@@ -249,7 +234,8 @@ def vjp(
         omma.Error: a cotangent of another shape, which is told before rays are traced; what
             `jacobian` raises.
     """
-    weights = _cotangent(cotangent, (len(poses_of(self, poses)), len(self.eye), self.bands))
+    shape = (len(poses_of(self, poses)), len(self.eye), self.bands)
+    weights = array_of(cotangent, "cotangent", shape, finite=True)
     found = jacobian(self, poses, by=by, **options)
     return found.responses, found.vjp(weights)
 
@@ -356,7 +342,7 @@ def _scores(
     axes, angles = looking
     turns = poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)
     axis = np.einsum("pij,nj->pni", turns, axes.astype(np.float64))
-    axis /= np.linalg.norm(axis, axis=2, keepdims=True)
+    axis = normalized(axis)
     axis = axis[:, None, :, None, :]
     along = np.sum(directions * axis, axis=-1, keepdims=True)
     across = directions - along * axis

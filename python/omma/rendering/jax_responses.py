@@ -12,10 +12,10 @@ import numpy as np
 
 from omma._core import Error
 from omma.base.arguments import checked, whole
+from omma.base.arrays import Floats
 from omma.base.optional import needs
 from omma.rendering.call import Responses, poses_of
 from omma.rendering.differentiable import (
-    Floats,
     expect_no_gradient,
     expect_parameters,
     jacobian_at,

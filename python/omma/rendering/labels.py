@@ -185,7 +185,8 @@ def _ommatidia(eye: Eye) -> Variables:
 
 
 def _receptors(eye: Eye) -> Variables:
-    types = [eye.receptor_types[k] for k in eye.receptor_type.tolist()]
+    known = eye.receptor_types
+    types = [known[k] for k in eye.receptor_type.tolist()]
     ommatidium = ommatidium_of_receptor(eye)
     return {
         "receptor": (("receptor",), np.arange(len(types)), {}),

@@ -15,13 +15,13 @@ from scipy.spatial import cKDTree
 
 from omma._core import Acceptance, Background, Error, Eye
 from omma.base.arguments import array_of, checked, expect
+from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
 from omma.base.poses import as_pose
 from omma.base.srgb import linear_of_srgb
 from omma.rendering.picture_layouts import Equirectangular, Layout, pixels_of
 
-Floats = NDArray[np.float64]
 Responses = NDArray[np.float32]
 
 # Pixels are divided until they are so much smaller than the acceptance angle, each part with four

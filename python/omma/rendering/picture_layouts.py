@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma.base.arguments import one_of, whole, within
+from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.values import value_class
 
-Floats = NDArray[np.float64]
 Lens = Literal["equidistant", "equisolid", "stereographic", "orthographic"]
 
 _MOST_PIXELS = 1 << 15  # of a side

@@ -7,10 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, output_array
+from omma.base.arrays import Floats
 from omma.base.card_arrays import OnCard
 from omma.base.progress import Progress, share_of
 from omma.receptors.catches import type_polarisation
@@ -20,7 +21,6 @@ from omma.rendering.moves import MovesOptions, renderer_method
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-Floats = NDArray[np.float64]
 
 # Bytes of radiance held at once while it becomes receptors' responses.
 _CHUNK_BYTES = 32 << 20

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error, Eye
+from omma.base.arrays import Floats
 from omma.light import Light
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_matrix
-
-Floats = NDArray[np.float64]
 
 
 class ReceptorViews:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, whole
+from omma.base.arrays import Floats32
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared
@@ -24,7 +25,6 @@ from omma.scene.world import World
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-Floats = NDArray[np.float32]
 
 # As omma/truth.h has it.
 _MOST_SHARES = 1 << 14
@@ -43,47 +43,47 @@ class GroundTruth:
     and in which half of its light is, or else for the surface behind them.
     """
 
-    responses: Floats
+    responses: Floats32
     """(P, N, C), as `Renderer.render` gives them."""
-    met: Floats
+    met: Floats32
     """(P, N), share of the field in which anything was met: the rest is sky."""
-    distance_m: Floats
+    distance_m: Floats32
     """(P, N), mean over what was met, along each ray from where it starts; infinite where nothing
     was."""
-    nearest_m: Floats
+    nearest_m: Floats32
     """(P, N), least of the rays; infinite where nothing was met."""
-    inverse_distance_per_m: Floats
+    inverse_distance_per_m: Floats32
     """(P, N), mean of 1 / distance, which is 0 where nothing was met."""
     position_m: NDArray[np.float64]
     """(P, N, 3), in the world, mean over what was met; NaN where nothing was."""
-    normal: Floats
+    normal: Floats32
     """(P, N, 3), in the world: the mean of the normals of triangles, each of length 1, on the side
     that is seen. The more they differ the shorter it is; NaN where nothing was met."""
-    source_distance_m: Floats | None = None
+    source_distance_m: Floats32 | None = None
     """(P, N), in worlds with Gaussian splats: mean over all that light comes from, weighted by how
     much does; infinite where nothing is."""
     names: tuple[str, ...] = ()
     """(K,), whose shares were asked for."""
-    shares: Floats | None = None
+    shares: Floats32 | None = None
     """(P, N, K), share of the field that each fills. What is left of `met` is other things."""
-    flow_rotation_rad_s: Floats | None = None
+    flow_rotation_rad_s: Floats32 | None = None
     """(P, N, 2), right and up: optic flow from the head's rotation, −ω × d."""
-    flow_translation_rad_s: Floats | None = None
+    flow_translation_rad_s: Floats32 | None = None
     """(P, N, 2): from the translation of where the ommatidium's rays start, −(t − (t·d) d) / r."""
-    flow_objects_rad_s: Floats | None = None
+    flow_objects_rad_s: Floats32 | None = None
     """(P, N, 2): from what moves by itself, (v − (v·d) d) / r."""
-    standard_error: Floats | None = None
+    standard_error: Floats32 | None = None
     """(P, N, C), of the responses, where asked for and with `ToError`."""
     rays: NDArray[np.int32] | None = None
     """(P, N), rays spent, with `ToError`."""
     camera_distance_m: NDArray[np.float64] | None = None
     """(P,), of a captured world: from the head to the nearest camera that it is known from."""
-    camera_angle_deg: Floats | None = None
+    camera_angle_deg: Floats32 | None = None
     """(P, N), between the directions in which an ommatidium and the nearest camera, by that angle,
     see the same point (`CaptureCameras.nearness`); NaN where no camera had it in its field."""
 
     @property
-    def flow_rad_s(self) -> Floats | None:
+    def flow_rad_s(self) -> Floats32 | None:
         """(P, N, 2), right and up: the optic flow, the sum of its three components."""
         components = (
             self.flow_rotation_rad_s,
@@ -275,14 +275,7 @@ def _velocity(given: tuple[ArrayLike, ArrayLike], name: str, poses: int) -> NDAr
         )
     velocities = []
     for velocity, what in zip(given, ("linear_m_s", "angular_rad_s"), strict=True):
-        numbers = array_of(velocity, f"{name}, {what}")
-        if numbers.shape not in ((3,), (poses, 3)):
-            raise Error(
-                f"{name}, {what}: expected shape (3,) or ({poses}, 3), one for each pose, found "
-                f"{numbers.shape}"
-            )
-        if not np.isfinite(numbers).all():
-            raise Error(f"{name}, {what}: expected finite numbers, found {numbers!r:.60}")
+        numbers = array_of(velocity, f"{name}, {what}", [(3,), (poses, 3)], finite=True)
         velocities.append(np.broadcast_to(numbers, (poses, 3)))
     return np.ascontiguousarray(np.concatenate(velocities, axis=1))
 

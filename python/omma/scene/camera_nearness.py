@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Floats, Ints
 from omma.base.directions import angle_of_chord, normalized
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Of pairs of a direction and a camera that are looked at at once: arrays of them stay in the cache,
 # which is eight times as fast as arrays of 8 MB.

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base import mesh_parts
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.base.poses import as_poses
 from omma.base.progress import Progress
@@ -28,8 +29,6 @@ from omma.scene.nerfstudio_files import (
     read_splat_cameras,
     read_transforms,
 )
-
-Floats = NDArray[np.float64]
 
 # What a transform may be off a rotation times a scale, relative to that.
 _SIMILAR = 1e-6

@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error
-
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 # What a matrix of a file may be off a rotation, in any of its numbers: some write three decimals.
 _ROUNDED = 5e-3

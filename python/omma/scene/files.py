@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike
 from omma.base.mesh_parts import world_from_file
+from omma.base.progress import Progress
 from omma.base.warn import warn_caller
 from omma.scene.gltf_spz import load_spz_gltf
 from omma.scene.joining import place_scene, warnings_of_file
@@ -40,7 +40,7 @@ def load_scene(
     unit: str | float | None = None,
     up: str | None = None,
     voxel_m: float | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, the
     points of a `.las`, `.laz`, `.e57`, `.xyz` or `.pts` file, or of a `.ply` file without faces, or
@@ -108,7 +108,7 @@ def read_scene(
     unit: str | float | None = None,
     up: str | None = None,
     voxel_m: float | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Scene:
     """As `load_scene`, for those who hand ``Scene.warnings`` on themselves."""
     name = os.fsdecode(path)
@@ -165,9 +165,7 @@ def _as_written(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
 
 
 @checked
-def save_scene(
-    path: PathLike, scene: Scene, *, progress: Callable[[float], object] | None = None
-) -> None:
+def save_scene(path: PathLike, scene: Scene, *, progress: Progress | None = None) -> None:
     """Write a scene as a `.glb` file, whole in itself, which `load_scene` reads to an equal one.
 
     Blender and other programs open it. Backgrounds, and the values of pictures in linear floats, of

@@ -17,7 +17,6 @@ from omma._core import (
     Mesh,
     Rig,
     Scene,
-    Texture,
     TextureUse,
 )
 from omma.base.arguments import array_of, checked
@@ -108,7 +107,9 @@ def merge_scenes(scenes: Sequence[Scene], *, background: Background | None = Non
             rig = _core.joined_rig(Rig() if rig is None else rig, scene.rig, *offsets)
         parts["meshes"] += [_mesh(one, before["materials"]) for one in scene.meshes]
         parts["materials"] += [_material(one, before["textures"]) for one in scene.materials]
-        parts["textures"] += [_texture(one, before["images"]) for one in scene.textures]
+        parts["textures"] += [
+            one.replace(image=one.image + before["images"]) for one in scene.textures
+        ]
         parts["images"] += scene.images
         parts["cameras"] += scene.cameras
         parts["hit_boxes"] += scene.hit_boxes
@@ -151,10 +152,6 @@ def _mesh(mesh: Mesh, materials: int) -> Mesh:
 def _instance(instance: Instance, meshes: int, nodes: int) -> Instance:
     node = None if instance.node is None else instance.node + nodes
     return instance.replace(mesh=instance.mesh + meshes, node=node)
-
-
-def _texture(texture: Texture, images: int) -> Texture:
-    return texture.replace(image=texture.image + images)
 
 
 def _material(material: Material, textures: int) -> Material:

@@ -7,20 +7,17 @@ the model it names) or `assumed` (nobody's measurement). A curve passes smoothly
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Material, Spectrum
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats
+from omma.base.tables import packaged_rows
 from omma.base.values import value_class
 from omma.scene.spectrum_colours import linear_srgb, luminance
-
-Floats = NDArray[np.float64]
 
 STANDINGS = ("read", "computed", "assumed")
 _NM = np.arange(300.0, 701.0, 5.0)
@@ -161,7 +158,7 @@ def natural_material(name: str) -> Material:
 
 @cache
 def _library() -> dict[str, NaturalMaterial]:
-    sources = {row["key"]: row for row in _rows("material_sources.csv")}
+    sources = {row["key"]: row for row in packaged_rows("omma.scene", "material_sources.csv")}
     facts = [
         MaterialFact(
             row["material"],
@@ -174,7 +171,7 @@ def _library() -> dict[str, NaturalMaterial]:
             row["note"],
         )
         for table in ("materials.csv", "leaf_spectra.csv")
-        for row in _rows(table)
+        for row in packaged_rows("omma.scene", table)
     ]
     names = dict.fromkeys(fact.material for fact in facts)
     return {name: _made(name, tuple(f for f in facts if f.material == name)) for name in names}
@@ -203,8 +200,3 @@ def _curve(facts: tuple[MaterialFact, ...], quantity: str) -> Floats:
     values: Floats = PchipInterpolator(*zip(*knots), extrapolate=False)(_NM)
     values.flags.writeable = False
     return values
-
-
-def _rows(name: str) -> list[dict[str, str]]:
-    text = files("omma.scene").joinpath(name).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))

@@ -12,11 +12,11 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.scene.capture_lenses import (
     ALL_ROUND,
     COLMAP_AXES,
     UNKNOWN,
-    Floats,
     Lens,
     Shot,
     position,

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.base.files import reading
 from omma.base.optional import needs
 from omma.base.ply_header import LONGEST_HEADER, PlyElement, read_header
 from omma.scene.las_heads import check_las_head, las_unit, reading_las
-
-Floats = NDArray[np.float64]
 
 POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts")
 TEXT_FILES = (".xyz", ".pts", ".txt", ".csv")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
+from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.base.mesh_parts import linear, world_from_file
+from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.scene.memory import free_bytes, words_for_bytes
 from omma.scene.point_cells import AllPoints, CellMeans, Columns
 from omma.scene.point_files import Piece, PointFile, open_points
-
-Floats = NDArray[np.float64]
 
 # A cloud farther from zero than this many of its half sizes has an offset, as meshes have.
 _FAR = 4
@@ -120,7 +119,7 @@ def load_points(
     every: int = 1,
     voxel_m: float | None = None,
     bounds: ArrayLike | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> PointCloud:
     """Read the points of a `.ply`, `.las`, `.laz`, `.e57` or text file.
 
@@ -225,9 +224,7 @@ def _check_size(positions: NDArray[np.floating[Any]], name: str) -> None:
         raise Error(f"{name}: expected points within {_MOST_M:g} m, found farther ones")
 
 
-def read_points(
-    sieve: Sieve, progress: Callable[[float], object] | None = None
-) -> tuple[PointCloud, list[str]]:
+def read_points(sieve: Sieve, progress: Progress | None = None) -> tuple[PointCloud, list[str]]:
     """The points that pass, and what there is to warn of."""
     file = sieve.file
     _check_memory(sieve)
@@ -267,7 +264,7 @@ def read_points(
 
 
 def _gather(
-    sieve: Sieve, white: float, is_last: bool, progress: Callable[[float], object] | None
+    sieve: Sieve, white: float, is_last: bool, progress: Progress | None
 ) -> AllPoints | CellMeans | None:
     """What is kept; None where a colour is above ``white``, which is then another."""
     kept = AllPoints() if sieve.voxel_m is None else CellMeans(sieve.voxel_m)

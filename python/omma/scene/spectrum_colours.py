@@ -6,11 +6,9 @@ Colour matching functions: the multi-lobe fit of Wyman, Sloan and Shirley (JCGT 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.light import primary_spectra
-
-Floats = NDArray[np.float64]
 
 # CIE standard illuminant D65, relative power at 400, 410, ... 700 nm (CIE 15:2004, table T.1).
 _D65 = np.array(

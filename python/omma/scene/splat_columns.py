@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, SplatCloud
+from omma.base.arrays import Floats
 from omma.base.mesh_parts import far_middle, is_single
 from omma.scene.memory import free_bytes, words_for_bytes
-
-Floats = NDArray[np.float64]
 
 # Of a piece: some 10 MB while it is read, which caches hold.
 PIECE = 1 << 14

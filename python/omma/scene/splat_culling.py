@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, SplatCloud
 from omma.base.arguments import array_of, checked, positive, within
+from omma.base.arrays import Floats
 from omma.scene.points import PointCloud
-from omma.scene.splat_columns import PIECE, Floats, chosen
+from omma.scene.splat_columns import PIECE, chosen
 
 
 @checked
@@ -64,9 +65,7 @@ def cull_splats(
 
     if least_opacity is not None:
         keep("opacity", splats.opacities >= within(least_opacity, "least_opacity", 0, 1))
-    center = array_of(center_m, "center_m", (3,))
-    if not np.isfinite(center).all():
-        raise Error("center_m: expected finite numbers")
+    center = array_of(center_m, "center_m", (3,), finite=True)
     if beyond_m is not None:
         most = positive(beyond_m, "beyond_m")
         keep("beyond", _each(splats, center, lambda at: np.linalg.norm(at, axis=1) <= most))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -72,7 +72,7 @@ def load_splats(
     *,
     unit: str | float = "m",
     up: str | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> SplatCloud:
     """Read the Gaussian splats of a `.ply` file as 3DGS, PlayCanvas or Mip-Splatting write it, or
     of an `.spz` file of version 2, 3 or 4 (4 needs zstandard: `pip install 'omma[splats]'`).

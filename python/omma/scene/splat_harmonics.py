@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, SplatCloud
-
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 
 # What a matrix may be off turns and one scale, of that scale.
 _RIGID = 1e-6
@@ -49,7 +49,7 @@ def turned_harmonics(rotation: Floats, terms: int) -> Floats:
     """(terms, terms): of coefficients, what they are when all that they describe is turned."""
     # Each degree's functions are each other's sums when turned; which, some directions tell.
     directions = np.random.default_rng(1).normal(size=(64, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = normalized(directions)
     turned = basis(directions @ rotation.T, terms)
     matrix = np.linalg.lstsq(turned, basis(directions, terms), rcond=None)[0]
     whole = np.round(matrix)

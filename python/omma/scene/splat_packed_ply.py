@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.base.ply_header import PlyElement
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all
-from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns, sample_of
+from omma.scene.splat_columns import PIECE, REST_COUNTS, SplatColumns, sample_of
 
 _CHUNK = 256
 _BOUNDS = tuple(

@@ -14,18 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, SplatCloud
+from omma.base.arrays import Floats
 from omma.base.files import WholeFile
 from omma.base.ply_header import PlyElement
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all, holds_splats, ply_head, text_tables
-from omma.scene.splat_columns import (
-    PIECE,
-    REST_COUNTS,
-    Floats,
-    SplatColumns,
-    sample_of,
-    sigmoid,
-)
+from omma.scene.splat_columns import PIECE, REST_COUNTS, SplatColumns, sample_of, sigmoid
 from omma.scene.splat_packed_ply import read_packed_ply
 
 _POSITION = ("x", "y", "z")

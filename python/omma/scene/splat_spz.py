@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, SplatCloud
+from omma.base.arrays import Floats
 from omma.base.files import WholeFile
 from omma.base.optional import needs
 from omma.base.progress import Progress
-from omma.scene.splat_columns import PIECE, REST_COUNTS, Floats, SplatColumns, sample_of
+from omma.scene.splat_columns import PIECE, REST_COUNTS, SplatColumns, sample_of
 
 _MAGIC = 0x5053474E
 _HEAD = struct.Struct("<IIIBBBB")

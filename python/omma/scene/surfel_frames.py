@@ -9,7 +9,6 @@ tangent planes meet where its cells do, and hold likewise.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -18,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
-
-Floats32 = NDArray[np.float32]
+from omma.base.arrays import Floats32
+from omma.base.progress import Progress
 
 # Neighbours of each point: a Voronoi cell of random points has 6 sides on average, more than 10 in
 # 2 of 100. Beside a gap, where a cell is open or reaches this share of the way to the last
@@ -59,7 +58,7 @@ def frames_of(
     positions: Floats32,
     normals: Floats32 | None,
     scanners: NDArray[np.float64] | None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Frames:
     """Frames of points none of which lies on another."""
     from scipy.spatial import cKDTree

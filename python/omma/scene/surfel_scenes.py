@@ -6,7 +6,7 @@ square around it.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Instance, Material, Mesh, Scene
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats32
+from omma.base.progress import Progress, share_of
 from omma.base.warn import warn_caller
 from omma.scene.materials import natural_material
 from omma.scene.memory import free_bytes, words_for_bytes
@@ -22,8 +24,6 @@ from omma.scene.point_files import open_points
 from omma.scene.points import PointCloud, Sieve, read_points
 from omma.scene.surfel_cells import fitting_voxel_m, in_cells
 from omma.scene.surfel_frames import Frames, distinct, frames_of, tangents
-
-Floats32 = NDArray[np.float32]
 
 # How much larger a disc is than what would just cover a flat surface. Normals found from
 # neighbours are off by some degrees where a surface bends or measurements scatter.
@@ -52,7 +52,7 @@ def surfels(
     normals: ArrayLike | None = None,
     materials: Mapping[int, str | Material] | None = None,
     name: str = "points",
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Scene:
     """A scene in which each point of a cloud is a disc, seen from both sides.
 
@@ -100,7 +100,7 @@ def make_surfels(
     normals: ArrayLike | None = None,
     materials: Mapping[int, str | Material] | None = None,
     name: str = "points",
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Scene, list[str]]:
     """As `surfels`, with what there is to warn of."""
     positive(overlap, "overlap")
@@ -138,25 +138,18 @@ def make_surfels(
     return Scene(meshes=meshes, instances=instances, materials=materials_of), told
 
 
-def _piece(
-    progress: Callable[[float], object] | None, begin: float, end: float
-) -> Callable[[float], object] | None:
-    """Who is told that work has begun and ended when a piece of it has."""
-    return None if progress is None else lambda done: progress(begin + done * (end - begin))
-
-
 def load_surfels(
     path: str,
     unit: str | float,
     up: str | None,
     voxel_m: float | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Scene:
     """The scene of a file of points; what of it was passed over is in its warnings."""
     try:
         sieve = Sieve(open_points(path), unit, up, voxel_m=voxel_m)
-        cloud, told = read_points(sieve, _piece(progress, 0, _READING))
-        rest = _piece(progress, _READING, 1)
+        cloud, told = read_points(sieve, share_of(progress, 0, _READING))
+        rest = share_of(progress, _READING, 1)
         scene, more = make_surfels(cloud, name=os.path.basename(path), progress=rest)
     except MemoryError:
         raise Error(f"{path}: it takes more memory than there is") from None
@@ -170,16 +163,14 @@ def _frames(
     order: NDArray[np.intp],
     wanted: tuple[ArrayLike | None, float | ArrayLike | None],
     told: list[str],
-    progress: Callable[[float], object] | None,
+    progress: Progress | None,
 ) -> Frames:
     """Normals and radii of the points in that order, those ``wanted`` or from neighbours."""
     count = len(cloud)
     normals, radius_m = wanted
     given = cloud.normals
     if normals is not None:
-        given = array_of(normals, "normals", (count, 3), np.float32)
-        if not np.isfinite(given).all():
-            raise Error("normals: expected finite numbers")
+        given = array_of(normals, "normals", (count, 3), np.float32, finite=True)
     radius: Floats32 | None = None
     if radius_m is not None:
         one_each = np.full(count, radius_m) if np.ndim(radius_m) == 0 else radius_m

@@ -4,13 +4,11 @@ shines is told where it vanishes beside it."""
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import PunctualLight, Scene
+from omma.base.arrays import Floats
 from omma.light import Light, watts_from_photons
 from omma.scene.spectrum_colours import colour_matching, luminance
-
-Floats = NDArray[np.float64]
 
 _LUMENS_PER_WATT = 683.0  # at 555 nm: the SI's definition of the candela
 # Of a white sheet: what emits less is black beside it, on any screen.

@@ -14,12 +14,10 @@ from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table, without_folder
 from omma.base.progress import Progress, share_of
-from omma.base.values import check_format
 from omma.light import Light
 from omma.scene.baking import Bake, BakeCost, BakedInfo, bake_cost, find_baked_light
 from omma.scene.device_list import ordinals, prepare_backend
 from omma.scene.lighting import (
-    Lighting,
     LightingName,
     Sun,
     Ultraviolet,
@@ -31,9 +29,8 @@ from omma.scene.lighting import (
 from omma.scene.without_light import tell_without_light
 from omma.scene.world_colors import Colors, set_color, set_image
 from omma.scene.world_moves import at, camera_at, set_transforms, set_vertices, vertices
+from omma.scene.world_pickles import parts_of
 
-# Of the pickles of worlds; raised where what they hold changes.
-_PICKLE_FORMAT = 5
 # The share of progress that building has where light is baked too.
 _BUILDING = 0.1
 
@@ -224,31 +221,7 @@ class World:
         return self
 
     def __reduce__(self) -> tuple[Callable[..., World], tuple[Any, ...]]:
-        if self._base is not None:
-            # What moves in one moves in both: so also where both are unpickled together.
-            if self._lighting is not None and self._background is None:
-                return _lit_again, (self._base, self._lighting, self._places_when_baked)
-            return World.with_background, (self._base, self._background)
-        moved = sorted(self._moved)
-        instances = self.instances if moved else []
-        state = {
-            "format": _PICKLE_FORMAT,
-            "arguments": {
-                **self._asked,
-                "scene": self._scene,
-                "background": self._background,
-                "band_from_rgb": self._band_from_rgb,
-                **({} if self._lighting is None else vars(self._lighting)),
-            },
-            "moved": moved,
-            "world_from_node": [instances[index].world_from_node for index in moved],
-            "shapes": [
-                (mesh, self._engine.positions(mesh), self._engine.normals(mesh))
-                for mesh in self._engine.reshaped
-            ],
-            "colors": self._colors.parts(),
-        }
-        return _from_pickle, (state,)
+        return parts_of(self)
 
     @property
     def scene(self) -> Scene:
@@ -384,32 +357,3 @@ class World:
             "threads": str(self.threads),
         }
         return html_table("omma.World", rows)
-
-
-def _lit_again(
-    base: World, lighting: Lighting, places_when_baked: dict[int, NDArray[np.float64]]
-) -> World:
-    """The same world in a light, which was baked while things were elsewhere perhaps."""
-    if lighting.bake is None or not base._moved:
-        return base.with_light(**vars(lighting))
-    now, instances = base._moved.keys(), base.instances
-    then = [places_when_baked.get(k, before) for k, before in base._moved.items()]
-    base.set_transforms(list(now), np.stack(then))
-    lit = base.with_light(**vars(lighting))
-    base.set_transforms(list(now), np.stack([instances[k].world_from_node for k in now]))
-    return lit
-
-
-def _from_pickle(state: dict[str, Any]) -> World:
-    check_format(state["format"], _PICKLE_FORMAT, "World")
-    world = World(**state["arguments"])
-    if state["moved"]:
-        world.set_transforms(state["moved"], np.stack(state["world_from_node"]))
-    for mesh, positions, normals in state["shapes"]:
-        world.set_vertices(mesh, positions, normals if len(normals) else None)
-    images, colors = state["colors"]
-    for image, picture in images.items():
-        world.set_image(image, picture)
-    for material, (base_color, emissive) in colors.items():
-        world.set_color(material, base_color, emissive=emissive)
-    return world

@@ -11,11 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.base.spirals import golden_angles
-
-Floats = NDArray[np.float64]
 
 
 class Profile:

@@ -9,16 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
+from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of, direction
+from omma.base.progress import Stage
 from omma.eye.facets import facet_diameters_m, set_facets
 from omma.eye.lattice import lay_directions
 from omma.eye.on_surface import eye_on_surface
 from omma.eye.skew import squeezed
 from omma.eye.surfaces import ellipsoid
 from omma.species.facts import number
-
-Floats = NDArray[np.float64]
-Progress = Callable[[str, "float | None"], object]
 
 
 def smooth_step(x: Floats, low: float, high: float) -> Floats:
@@ -135,7 +134,7 @@ def laid(
     horizontal_rad: Callable[[Floats], Floats],
     vertical_rad: Callable[[Floats], Floats] | None,
     field_of_view: Callable[[Floats], NDArray[np.bool_]],
-    progress: Progress | None = None,
+    progress: Stage | None = None,
     count: str = "ommatidia",
 ) -> Floats:
     """Directions (N, 3) of a right eye with as many ommatidia as the table says."""

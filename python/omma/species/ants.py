@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Acceptance, Eye
+from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of
+from omma.base.progress import Stage
 from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._shape import (
-    Floats,
-    Progress,
     blended,
     degrees,
     elevation_rad,
@@ -29,7 +29,7 @@ _CATAGLYPHIS = "cataglyphis"
 _MELOPHORUS = "melophorus"
 
 
-def build_cataglyphis(progress: Progress | None) -> list[Eye]:
+def build_cataglyphis(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     outer = number(_CATAGLYPHIS, "outer_angle")
     streak = number(_CATAGLYPHIS, "streak_vertical_angle")
@@ -101,7 +101,7 @@ def _ant_receptors(eye: Eye, rim: NDArray[np.bool_]) -> Eye:
     return mixed(eye, [OmmatidiumType("dorsal rim", (along, across, green))], rim)
 
 
-def build_melophorus(progress: Progress | None) -> list[Eye]:
+def build_melophorus(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     angle = number(_MELOPHORUS, "mean_interommatidial_angle")
     width = degrees(_MELOPHORUS, "horizontal_field")

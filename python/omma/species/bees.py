@@ -12,13 +12,13 @@ import math
 import numpy as np
 
 from omma._core import Acceptance, Eye
+from omma.base.arrays import Floats
 from omma.base.directions import direction
+from omma.base.progress import Stage
 from omma.eye.facets import set_facets
 from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import bee_kinds, bee_receptors, mixed
 from omma.species._shape import (
-    Floats,
-    Progress,
     angle_from,
     blended,
     degrees,
@@ -36,7 +36,7 @@ _DRONE = "honeybee_drone"
 _BUMBLEBEE = "bumblebee"
 
 
-def build_honeybee_worker(progress: Progress | None) -> list[Eye]:
+def build_honeybee_worker(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     if progress:
         progress("placing ommatidia", None)
@@ -147,7 +147,7 @@ def _worker_surface_m(azimuth: Floats, elevation: Floats) -> Floats:
     return np.asarray(centre * [1, 1, -1] + semi_axes * unit)
 
 
-def build_honeybee_drone(progress: Progress | None) -> list[Eye]:
+def build_honeybee_drone(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
 
     def dorsal(elevation: Floats) -> Floats:
@@ -195,7 +195,7 @@ def _dorsal_kinds() -> list[OmmatidiumType]:
     ]
 
 
-def build_bumblebee(progress: Progress | None) -> list[Eye]:
+def build_bumblebee(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     least, largest = (
         number(_BUMBLEBEE, f"{which}_interommatidial_angle") for which in ("least", "largest")

@@ -8,21 +8,20 @@ made of. A row is `measured` (a number that the source prints, or computed from 
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections import Counter
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats
 from omma.base.notebook import html_table
+from omma.base.tables import packaged_rows
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
 
 STATUSES = ("measured", "interpolated", "assumed")
 # The animals whose eyes there are.
@@ -175,7 +174,8 @@ class Species:
 @cache
 def sources() -> tuple[Source, ...]:
     """All sources, in the order of the table of sources."""
-    return tuple(Source(row["key"], row["citation"], row["read"]) for row in _rows("sources.csv"))
+    rows = packaged_rows("omma.species", "sources.csv")
+    return tuple(Source(row["key"], row["citation"], row["read"]) for row in rows)
 
 
 @cache
@@ -192,7 +192,7 @@ def facts(animal: str | None = None) -> tuple[Fact, ...]:
             known[row["source"]],
             row["note"],
         )
-        for row in _rows("facts.csv")
+        for row in packaged_rows("omma.species", "facts.csv")
     )
     if animal is None:
         return table
@@ -227,30 +227,14 @@ def _find(animal: str, quantity: str) -> Fact:
     raise Error(f"quantity: expected one of {known}, found {quantity!r}")
 
 
-def _rows(name: str) -> list[dict[str, str]]:
-    text = files("omma.species").joinpath(name).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
-
-
 def _csv(table: tuple[Fact, ...]) -> str:
-    lines = ["animal,quantity,value,unit,status,source,read,note"]
-    for fact in table:
-        cells = (
-            fact.animal,
-            fact.quantity,
-            f"{fact.value:g}",
-            fact.unit,
-            fact.status,
-            fact.source.citation,
-            fact.source.read,
-            fact.note,
-        )
-        lines.append(",".join(_quoted(cell) for cell in cells))
-    return "\n".join(lines) + "\n"
-
-
-def _quoted(cell: str) -> str:
-    return '"' + cell.replace('"', '""') + '"' if any(c in cell for c in ',"\n') else cell
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["animal", "quantity", "value", "unit", "status", "source", "read", "note"])
+    for one in table:
+        said = one.source.citation, one.source.read, one.note
+        writer.writerow([one.animal, one.quantity, f"{one.value:g}", one.unit, one.status, *said])
+    return text.getvalue()
 
 
 def _markdown(table: tuple[Fact, ...], with_animal: bool) -> str:

@@ -8,24 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Floats
+from omma.base.progress import Stage
 from omma.eye.facets import acceptance_from_facets
 from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._revolution import Profile
-from omma.species._shape import (
-    Floats,
-    Progress,
-    blended,
-    elevation_rad,
-    laid,
-    smooth_step,
-)
+from omma.species._shape import blended, elevation_rad, laid, smooth_step
 from omma.species.facts import number
 
 _CRAB = "fiddler_crab"
 
 
-def build_fiddler_crab(progress: Progress | None) -> list[Eye]:
+def build_fiddler_crab(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     streak, above, below, level = (
         number(_CRAB, name)

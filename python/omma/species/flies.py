@@ -10,33 +10,26 @@ from __future__ import annotations
 import math
 
 from omma._core import Acceptance, Eye
+from omma.base.arrays import Floats
+from omma.base.progress import Stage
 from omma.eye.change import mirror_eye
 from omma.eye.facets import acceptance_from_facets
 from omma.species._receptors import with_fly_receptors
-from omma.species._shape import (
-    Floats,
-    Progress,
-    angle_from,
-    blended,
-    laid,
-    on_ellipsoid,
-    oval,
-    smooth_step,
-)
+from omma.species._shape import angle_from, blended, laid, on_ellipsoid, oval, smooth_step
 from omma.species.facts import number
 
 _DROSOPHILA = "drosophila"
 _CALLIPHORA = "calliphora"
 
 
-def build_drosophila(progress: Progress | None) -> list[Eye]:
+def build_drosophila(progress: Stage | None) -> list[Eye]:
     """The left and the right eye, grown anew."""
     right = _drosophila_eye("ommatidia", progress)
     left = mirror_eye(_drosophila_eye("ommatidia_left", progress))
     return [left.replace(eye_id=0), right]
 
 
-def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
+def _drosophila_eye(count: str, progress: Stage | None) -> Eye:
     least, largest = (
         number(_DROSOPHILA, f"{which}_interommatidial_angle") for which in ("least", "largest")
     )
@@ -64,7 +57,7 @@ def _drosophila_eye(count: str, progress: Progress | None) -> Eye:
     return with_fly_receptors(eye, _DROSOPHILA, peaks)
 
 
-def build_calliphora(progress: Progress | None) -> list[Eye]:
+def build_calliphora(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     ahead, lateral = (
         number(_CALLIPHORA, f"{where}_interommatidial_angle") for where in ("least", "lateral")

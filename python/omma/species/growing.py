@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from omma._core import Eye
 from omma.base.arguments import checked
+from omma.base.progress import Stage
 from omma.eye.change import join_eyes, pair_of_eyes
-from omma.species._shape import Progress
 from omma.species.animals import known
 from omma.species.ants import build_cataglyphis, build_melophorus
 from omma.species.bees import build_bumblebee, build_honeybee_drone, build_honeybee_worker
@@ -17,7 +17,7 @@ from omma.species.flies import build_calliphora, build_drosophila
 from omma.species.hunters import build_dragonfly, build_holcocephala
 
 # A right eye, whose mirror image is the left one, or a left and a right eye.
-_BUILDERS: dict[str, Callable[[Progress | None], list[Eye]]] = {
+_BUILDERS: dict[str, Callable[[Stage | None], list[Eye]]] = {
     "honeybee_worker": build_honeybee_worker,
     "honeybee_drone": build_honeybee_drone,
     "bumblebee": build_bumblebee,
@@ -32,7 +32,7 @@ _BUILDERS: dict[str, Callable[[Progress | None], list[Eye]]] = {
 
 
 @checked
-def build(name: str, progress: Progress | None = None) -> Species:
+def build(name: str, progress: Stage | None = None) -> Species:
     """The animal of this name, its eyes grown anew from the table of numbers: up to a minute.
 
     Who changes a number in `facts.csv` sees here what comes of it; `make` and the functions of the

@@ -13,19 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Floats
+from omma.base.progress import Stage
 from omma.eye.facets import acceptance_from_facets
 from omma.eye.on_surface import lay_on_surface
 from omma.receptors.mosaic import OmmatidiumType
 from omma.species._receptors import mixed, receptor
 from omma.species._revolution import Profile, Revolution
-from omma.species._shape import Floats, Progress, blended, laid, smooth_step
+from omma.species._shape import blended, laid, smooth_step
 from omma.species.facts import number
 
 _HOLCOCEPHALA = "holcocephala"
 _DRAGONFLY = "dragonfly"
 
 
-def build_holcocephala(progress: Progress | None) -> list[Eye]:
+def build_holcocephala(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     front, side = (
         number(_HOLCOCEPHALA, f"{part}_radius_of_curvature") for part in ("front", "side")
@@ -58,7 +60,7 @@ def build_holcocephala(progress: Progress | None) -> list[Eye]:
     return [eye]
 
 
-def build_dragonfly(progress: Progress | None) -> list[Eye]:
+def build_dragonfly(progress: Stage | None) -> list[Eye]:
     """The right eye, grown anew."""
     barrel = _Barrel()
     low, high, back, ahead = (

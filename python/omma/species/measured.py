@@ -6,27 +6,23 @@ where it is from. What it does not hold, lenses, acceptance and receptors, is of
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Acceptance, Error, Eye, ReceptorType
 from omma.base.arguments import checked, whole, within
+from omma.base.arrays import Flags, Floats, Ints
+from omma.base.directions import normalized
+from omma.base.tables import packaged_rows
 from omma.eye.change import merge_eyes, mirror_eye
 from omma.receptors.mosaic import COLUMN
 from omma.receptors.sensitivity import govardovskii
 from omma.species._receptors import receptor
 from omma.species._shape import on_ellipsoid
 from omma.species.facts import LATIN, Species, facts, number
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 _NAME = "drosophila"
 # What ommatidia are, by their R7 and R8; of yellow ones in the dorsal third R7 has Rh3 besides.
@@ -49,15 +45,14 @@ class EyeMap:
 @cache
 def eye_map() -> EyeMap:
     """The table of measured axes, the left eye first."""
-    text = files("omma.species").joinpath("data/drosophila_columns.csv").read_text("utf-8")
-    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    rows = packaged_rows("omma.species", "data/drosophila_columns.csv")
     x, y, z = (np.array([float(row[way]) for row in rows]) for way in "xyz")
     axis = np.stack([-y, z, -x], axis=1)  # x points ahead, y to the left, z up
     return EyeMap(
         np.array([int(row["hex1"]) for row in rows]),
         np.array([int(row["hex2"]) for row in rows]),
         np.array([1 if row["side"] == "right" else -1 for row in rows]),
-        axis / np.linalg.norm(axis, axis=1, keepdims=True),
+        normalized(axis),
         np.array([row["dorsal_rim"] == "1" for row in rows]),
     )
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 import hashlib
 import io
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -86,10 +84,8 @@ def store(path: PathLike, head: Eye) -> None:
         whole.open(os.fsdecode(path)).write(compressed.getvalue())
 
 
-@contextmanager
-def _open(name: str) -> Iterator[Any]:
-    with np.load(_FOLDER / f"{name}.npz") as z:
-        yield z
+def _open(name: str) -> Any:
+    return np.load(_FOLDER / f"{name}.npz")
 
 
 def _arrays(head: Eye) -> Arrays:

@@ -8,10 +8,10 @@ import numpy as np
 
 from omma._core import Scene
 from omma.base.arguments import checked, within
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
 from omma.stimuli.checks import angle_deg, check_fields, radiance_of
-from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import longitude_latitude_deg, sphere_patch
 from omma.stimuli.turning import Turning
 

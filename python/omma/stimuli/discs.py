@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Scene
 from omma.base.arguments import array_of
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.scene.solids import disc
 from omma.stimuli.checks import Check, check_fields, length_m, radiance_of
 from omma.stimuli.discs_seen import Discs
-from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import directions_of, facing_origin, polygon_radius_m
 from omma.stimuli.stimulus import as_times
 

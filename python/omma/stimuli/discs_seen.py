@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from omma.stimuli.gaussian import Floats, caps_share
+from omma.base.arrays import Floats
+from omma.stimuli.gaussian import caps_share
 from omma.stimuli.stimulus import Stimulus
 
 

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Instance, Material, Mesh, Scene
 from omma.base.arguments import array_of
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
 from omma.stimuli.checks import check_fields, length_m, radiance_of, whole_from
 from omma.stimuli.discs_seen import Discs
-from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import (
     SPHERE_RADIUS_M,
     facing_origin,
@@ -78,7 +79,7 @@ class RandomDots(Discs, Turning):
     def _centres(self) -> Floats:
         """Directions (n, 3) in the pattern's frame."""
         drawn = np.random.default_rng(self.seed).normal(size=(self.count, 3))
-        return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
+        return normalized(drawn)
 
     @property
     def _disc_radiance(self) -> float:

@@ -10,11 +10,10 @@ from collections.abc import Callable
 from functools import cache, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
+from omma.base.directions import tangents
 from omma.base.spirals import GOLDEN_ANGLE_RAD
-
-Floats = NDArray[np.float64]
 
 # Beyond this many acceptance angles S is under 1e-7.
 _REACH = 2.4
@@ -93,14 +92,6 @@ def caps_share(axis: Floats, acceptance_rad: float, centres: Floats, radii_rad: 
         cosine = np.where(sines > 0, excess / sines, np.where(excess > 0, np.inf, -np.inf))
     half = np.arccos(np.clip(cosine, -1, 1))
     return float((_union(azimuth - half, azimuth + half) * share).sum())
-
-
-def tangents(axis: Floats) -> tuple[Floats, Floats]:
-    """Two directions across an axis (3,) and each other."""
-    helper = np.eye(3)[np.argmin(np.abs(axis))]
-    right = np.cross(helper, axis)
-    right /= np.linalg.norm(right)
-    return right, np.cross(axis, right)
 
 
 def _ring_shares(acceptance_rad: float) -> tuple[Floats, Floats]:

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Scene
 from omma.base.arguments import array_of, checked, whole, within
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.scene.paint import Surface, painted_scene
 from omma.scene.solids import tube, upright
 from omma.stimuli.checks import angular_speed, check_fields, chosen_from, length_m
-from omma.stimuli.gaussian import Floats, field_directions
+from omma.stimuli.gaussian import field_directions
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.stimulus import Stimulus
 from omma.stimuli.turning import Turning

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import within
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.scene.solids import tube
 from omma.stimuli.checks import check_fields, whole_from
-from omma.stimuli.gaussian import Floats
 from omma.stimuli.shapes import grey
 from omma.stimuli.stimulus import Stimulus, as_times
 
@@ -197,7 +198,7 @@ class LedArena(Stimulus):
         z = -self.distance_m * np.cos(middle) + along * np.sin(middle)
         y = self.height_m / 2 - (np.arange(self.panels_up * _LEDS) + 0.5) * pitch
         points = np.stack(np.broadcast_arrays(x, y[:, None], z), -1)
-        return np.asarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
+        return normalized(points)
 
     def _scene(self) -> Scene:
         corner = self.distance_m / np.cos(np.pi / self.panels_around)

@@ -9,10 +9,10 @@ import numpy as np
 
 from omma._core import Scene
 from omma.base.arguments import within
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.scene.paint import painted_scene
 from omma.stimuli.checks import check_fields
-from omma.stimuli.gaussian import Floats
 from omma.stimuli.random_fields import random_field
 from omma.stimuli.shapes import grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.turning import Turning

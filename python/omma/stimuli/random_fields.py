@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from omma.stimuli.gaussian import Floats
+from omma.base.arrays import Floats
 
 
 def random_field(power: Floats, rows: int, columns: int, seed: int) -> Floats:

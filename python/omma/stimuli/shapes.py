@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.scene.paint import Surface
-from omma.stimuli.gaussian import Floats
 
 # Radius of what lies on a sphere, m: so large that ommatidia's distances from the middle of the
 # head, some millimetres, shift nothing by more than a tenth of a degree.
@@ -100,7 +101,7 @@ def facing_origin(directions: Floats, distance_m: Floats) -> Floats:
     steep = np.hypot(z[:, 0], z[:, 2]) < 1e-9
     above = np.where(steep[:, None], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0])
     x = np.cross(above, z)
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    x = normalized(x)
     transforms[:, :3, 0], transforms[:, :3, 1], transforms[:, :3, 2] = x, np.cross(z, x), z
     transforms[:, :3, 3] = distance_m[:, None] * directions
     transforms[:, 3, 3] = 1

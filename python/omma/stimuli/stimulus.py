@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Background, Error, Scene
-from omma.base.arguments import array_of, checked, expect
+from omma.base.arguments import Shape, array_of, checked, expect
+from omma.base.arrays import Floats
 from omma.base.progress import Progress
 from omma.scene.world import World
-from omma.stimuli.gaussian import Floats, gaussian_means
+from omma.stimuli.gaussian import gaussian_means
 
 
 class Settings(Protocol):
@@ -190,11 +191,8 @@ class Stimulus:
                 stimulus.
         """
         times = as_times(times_s)
-        matrices = np.eye(4) if poses is None else array_of(poses, "poses")
-        if matrices.shape not in ((4, 4), (len(times), 4, 4)):
-            raise Error(
-                f"poses: expected shape (4, 4) or ({len(times)}, 4, 4), found {matrices.shape}"
-            )
+        shapes: list[Shape] = [(4, 4), (len(times), 4, 4)]
+        matrices = array_of(np.eye(4) if poses is None else poses, "poses", shapes)
         matrices = np.ascontiguousarray(np.broadcast_to(matrices, (len(times), 4, 4)))
         options: dict[str, Any] = {
             "instances": self._indices(renderer.world),
@@ -216,9 +214,7 @@ def as_times(times_s: ArrayLike) -> Floats:
 
 def _as_directions(directions: ArrayLike) -> Floats:
     """Directions (..., 3) of length 1, checked."""
-    vectors = array_of(directions, "directions")
-    if vectors.shape[-1:] != (3,):
-        raise Error(f"directions: expected shape (..., 3), found {vectors.shape}")
+    vectors = array_of(directions, "directions", (..., 3))
     if not (np.abs(np.linalg.norm(vectors, axis=-1) - 1) < 1e-6).all():
         raise Error("directions: expected vectors of length 1, found others")
     return vectors

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from omma.stimuli.gaussian import Floats
+from omma.base.arrays import Floats
 from omma.stimuli.shapes import drifted
 from omma.stimuli.stimulus import Stimulus
 

@@ -61,14 +61,9 @@ def confidence_interval(
     from scipy.special import stdtrit
 
     expect(eye, Eye, "eye", "omma.load_eye gives one")
-    values, errors = array_of(responses, "responses"), array_of(standard_errors, "standard_errors")
-    if values.ndim < 2 or values.shape[-2] != len(eye):
-        raise Error(f"responses: expected shape (..., {len(eye)}, C), found {values.shape}")
-    if errors.shape != values.shape:
-        raise Error(f"standard_errors: expected shape {values.shape}, found {errors.shape}")
-    counts = array_of(rays, "rays")
-    if counts.shape not in ((), values.shape[:-1]):
-        raise Error(f"rays: expected a number or shape {values.shape[:-1]}, found {counts.shape}")
+    values = array_of(responses, "responses", (..., len(eye), "C"))
+    errors = array_of(standard_errors, "standard_errors", values.shape)
+    counts = array_of(rays, "rays", [(), values.shape[:-1]])
     if not (counts >= 1).all():
         raise Error(f"rays: expected at least 1 each, found {counts.min()}")
     if not 0 < level < 1:

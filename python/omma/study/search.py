@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Scene
 from omma.base.arguments import checked, whole
 from omma.base.poses import as_poses, numbers, poses_from_quaternions
+from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.study.variance import (
@@ -25,7 +26,6 @@ from omma.study.variance import (
     Array,
     Measure,
     Method,
-    Progress,
     further_seed,
     icosahedral_eye,
     response_variances,
@@ -103,7 +103,7 @@ def minimum_samples(
     poses: int = 4096,
     seed: int = 0,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> MinimumSamples:
     """Rays per steradian at which responses scatter by no more than a share of full scale.
 
@@ -177,7 +177,7 @@ class _Tally:
         method: Method,
         measure: Measure,
         seed: int,
-        progress: Progress | None,
+        progress: Stage | None,
     ) -> None:
         self.base, self.method, self.measure = base, method, measure
         self.seed, self.progress = seed, progress

@@ -20,11 +20,12 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.poses import as_pose
+from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.building import BUILDING, stage_of
-from omma.study.variance import OURS, Method, Progress
+from omma.study.variance import OURS, Method
 
 # Frames/s of CompoundRay on an NVIDIA RTX 2080 Ti, by rays per ommatidium: eLife 2022, 73893.
 PUBLISHED_RAYS = (1, 10, 100, 1000, 3200)
@@ -65,7 +66,7 @@ def measure_speed(
     warm_up_s: float = 10.0,
     method: Method = OURS,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> SpeedTest:
     """Time frames of an eye at one pose; every frame draws samples of its own.
 
@@ -89,7 +90,7 @@ def measure_speed(
     rays = array_of(rays, "rays", (None,), np.int64).tolist()
     if not len(rays):
         raise Error("rays: expected at least one number")
-    tell: Progress = progress or (lambda stage, fraction: None)
+    tell: Stage = progress or (lambda stage, fraction: None)
     matrix = as_pose(pose, "pose")[None]
     batch = np.repeat(matrix, frames, axis=0)
     single, together = [], []

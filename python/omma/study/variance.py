@@ -7,7 +7,7 @@ and their standard deviation. The protocols are CompoundRay's (Millward, Maddock
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_pose, as_poses, numbers
+from omma.base.progress import Progress, Stage, share_of
 from omma.base.renamed import renamed_fields
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
@@ -24,8 +25,6 @@ from omma.rendering.settings import AngularSensitivityName, Fixed, PointsName
 
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
-Progress = Callable[[str, float | None], object]
-Finished = Callable[[float], object]
 
 # Full width of a cone of 1 sr, which CompoundRay gives these ommatidia as acceptance angle.
 ONE_STERADIAN_RAD = 2 * float(np.arccos(1 - 1 / (2 * np.pi)))
@@ -99,7 +98,7 @@ def response_variances(
     seed: int = 0,
     seeds: int = 1,
     threads: int = 0,
-    progress: Finished | None = None,
+    progress: Progress | None = None,
 ) -> Array:
     """Variance of each ommatidium's response among independent estimates of it: (P, N), float64.
 
@@ -155,7 +154,8 @@ def response_variances(
         estimates = []
         for k, renderer in enumerate(renderers):
             share = len(piece) / len(matrices) / seeds
-            tell = _share_of(progress, first / len(matrices) + k * share, share)
+            done = first / len(matrices) + k * share
+            tell = share_of(progress, done, done + share)
             found = render(renderer, piece, first_pose=first, progress=tell)
             estimates.append(found.reshape(len(piece), len(eye), copies, -1))
         result[first : first + chunk] = _variance(np.concatenate(estimates, axis=2), measure)
@@ -163,7 +163,7 @@ def response_variances(
 
 
 def scene_renderer(
-    scene: Scene | Renderer, threads: int, progress: Finished | None = None
+    scene: Scene | Renderer, threads: int, progress: Progress | None = None
 ) -> Renderer:
     """A renderer to make others of the same scene from."""
     if isinstance(scene, Renderer):
@@ -174,11 +174,6 @@ def scene_renderer(
 def further_seed(seed: int, number: int) -> int:
     """A seed of its own for each number; the same one for number 0."""
     return (seed + number * 0x9E3779B97F4A7C15) % (1 << 64)
-
-
-def _share_of(progress: Finished | None, start: float, length: float) -> Finished | None:
-    """Progress of a share of the work as progress of the whole."""
-    return None if progress is None else lambda done: progress(start + length * done)
 
 
 def _variance(estimates: NDArray[np.float32], measure: Measure) -> Array:
@@ -205,7 +200,7 @@ def variance_map(
     measure: Measure = "linear",
     seed: int = 0,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> Array:
     """Variance of responses over a horizontal square, seen by the icosahedral eye.
 
@@ -272,7 +267,7 @@ def alias_curve(
     measure: Measure = "linear",
     seed: int = 0,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Stage | None = None,
 ) -> tuple[Array, Array]:
     """Scatter of an eye's responses against rays per ommatidium.
 

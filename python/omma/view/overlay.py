@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Floats
 from omma.eye.neighbours import direction_lattice
 from omma.view.picked import Rays, cone_of, profile_of
 
-Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 EYE_COLOURS = ((214, 120, 30), (40, 110, 200), (60, 150, 80), (150, 80, 170), (120, 120, 120))

@@ -95,7 +95,8 @@ class Chosen:
         if seen.receptors is not None:
             mine = np.flatnonzero(np.asarray(ommatidium_of_receptor(eye)) == number)
             values, errors = seen.receptors[mine], seen.receptor_errors
-            names = [f"receptor {k}, {eye.receptor_types[eye.receptor_type[k]].name}" for k in mine]
+            types = eye.receptor_types
+            names = [f"receptor {k}, {types[eye.receptor_type[k]].name}" for k in mine]
             found = None if errors is None else errors[mine]
         else:
             assert seen.responses is not None

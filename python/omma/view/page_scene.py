@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from omma.base.srgb import srgb_of_linear
 from omma.picture.band_colours import bands_to_rgb
 from omma.view.overlay import PICKED, head_shapes
 from omma.view.poses import HeadPose, quaternion_wxyz
@@ -179,6 +180,5 @@ def _lamp(
     if not level > 0:
         return (0, 0, 0), 0.0
     share = np.clip(linear / level, 0, 1)
-    encoded = np.where(share > 0.0031308, 1.055 * share ** (1 / 2.4) - 0.055, 12.92 * share)
-    red, green, blue = np.round(255 * encoded).astype(int).tolist()
+    red, green, blue = np.round(255 * srgb_of_linear(share)).astype(int).tolist()
     return (red, green, blue), level

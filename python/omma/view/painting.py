@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Eye, rgb_bands
+from omma.base.arrays import Flags, Floats32
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import display
 from omma.picture.id_maps import paint
@@ -17,10 +18,8 @@ from omma.picture.unseen import aspect_of, hatch, unseen
 from omma.scene.world import World
 from omma.view.state import Seen
 
-Floats = NDArray[np.float32]
 Pixels = NDArray[np.uint8]
 Ids = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 #: What the page calls projections, and what `omma.picture.project` calls them.
 PROJECTIONS: dict[str, str | None] = {
@@ -62,13 +61,13 @@ def channels_of(world: World, eye: Eye) -> list[Channel]:
         found += [Channel(f"band {k}", band=k) for k in range(world.bands)]
     if len(eye.receptor_type) and (world.light is not None or world.band_from_rgb is None):
         found.append(Channel(FALSE_COLOURS, receptors=True))
-        present = sorted(set(eye.receptor_type.tolist()))
-        names = dict.fromkeys(eye.receptor_types[k].name for k in present)
+        present, types = np.unique(eye.receptor_type).tolist(), eye.receptor_types
+        names = dict.fromkeys(types[k].name for k in present)
         found += [Channel(f"receptor {name}", receptors=True, kind=name) for name in names]
     return found
 
 
-def shown_values(world: World, eye: Eye, seen: Seen, channel: Channel) -> Floats:
+def shown_values(world: World, eye: Eye, seen: Seen, channel: Channel) -> Floats32:
     """Linear red, green and blue of each ommatidium (N, 3), before exposure; one number three times
     where it is grey."""
     if channel.receptors:
@@ -91,19 +90,20 @@ def shown_values(world: World, eye: Eye, seen: Seen, channel: Channel) -> Floats
 def _kinds(eye: Eye) -> tuple[str, ...] | None:
     """The receptors of a picture in false colours: by peak, which is what None asks for, unless an
     eye has more than three; then its three most frequent types."""
-    peaks = {round(t.peak_wavelength_nm) for t in eye.receptor_types if t.peak_wavelength_nm}
-    if len(peaks) <= 3 and len(eye.receptor_types) <= 3:
+    types = eye.receptor_types
+    peaks = {round(t.peak_wavelength_nm) for t in types if t.peak_wavelength_nm}
+    if len(peaks) <= 3 and len(types) <= 3:
         return None
-    counts = np.bincount(eye.receptor_type, minlength=len(eye.receptor_types))
+    counts = np.bincount(eye.receptor_type, minlength=len(types))
     names: list[str] = []
     for k in np.argsort(-counts, kind="stable").tolist():
-        name = eye.receptor_types[k].name
+        name = types[k].name
         if counts[k] and name not in names and len(names) < 3:
             names.append(name)
     return tuple(names)
 
 
-def _as_rgb(world: World, values: Floats) -> Floats:
+def _as_rgb(world: World, values: Floats32) -> Floats32:
     if world.light is not None:
         return np.asarray(colours_of(world, values))
     if values.shape[-1] != rgb_bands:
@@ -111,7 +111,7 @@ def _as_rgb(world: World, values: Floats) -> Floats:
     return values
 
 
-def white_of(world: World, channel: Channel, values: Floats) -> float:
+def white_of(world: World, channel: Channel, values: Floats32) -> float:
     """What is shown as white with an exposure of 0: 1, the full scale of a scene without light;
     else what nearly all of the numbers stay below."""
     if world.light is None or (not channel.receptors and channel.band is None):
@@ -136,7 +136,7 @@ def unseen_in(ids: Ids, projection: str) -> Flags:
 
 def paint_eye(
     ids: Ids,
-    values: Floats,
+    values: Floats32,
     white: float,
     stops: float,
     chosen: int | None = None,
@@ -167,7 +167,7 @@ def frame_of(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(wide & ~inside)
 
 
-def paint_camera(world: World, picture: Floats, stops: float) -> Pixels:
+def paint_camera(world: World, picture: Floats32, stops: float) -> Pixels:
     """A camera's picture (height, width, C) in colours; without colours the first band in grey."""
     if world.light is None and picture.shape[-1] != rgb_bands:
         rgb = np.repeat(picture[..., :1], 3, axis=2)

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from omma._core import Acceptance, Background, Error, Eye, Scene
 from omma.base.arguments import whole
+from omma.base.arrays import Floats
+from omma.base.directions import normalized
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.world import World
 from omma.view.state import Look, Looker
-
-Floats = NDArray[np.float64]
 
 # Of the picture from which a ray's direction is read: finer than any acceptance angle.
 _ROWS = 512
@@ -57,7 +57,7 @@ def rays_of(looker: Looker, look: Look, ommatidium: int, samples: int) -> Rays:
     there = Renderer(empty, eye, Fixed(samples), threads=looker.threads, **options)  # type: ignore[arg-type]
     seen = there.render_rays(np.eye(4))[0, ommatidium].astype(np.float64)
     ahead = 2 * seen - 1
-    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
+    ahead = normalized(ahead)
     offset = float(eye.focal_offset_m[ommatidium])
     start = eye.position_m[ommatidium] - offset * eye.axis[ommatidium]
     single = Eye(np.tile(start, (samples, 1)), ahead, _NARROW_RAD)

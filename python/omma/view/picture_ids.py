@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Eye
+from omma.base.arrays import Flags
 from omma.view.painting import PROJECTIONS, eye_ids, unseen_in
 
 Ids = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 T = TypeVar("T", bound=np.generic)
 
 # Before any browser has said how large its picture is; and what is painted at most.

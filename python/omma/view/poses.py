@@ -85,9 +85,7 @@ class HeadPose:
 
 def pose_from_matrix(world_from_head: ArrayLike) -> HeadPose:
     """The pose nearest to a transform (4, 4), m, whose scale is left out."""
-    matrix = array_of(world_from_head, "world_from_head", (4, 4))
-    if not np.isfinite(matrix).all():
-        raise Error("world_from_head: expected finite numbers")
+    matrix = array_of(world_from_head, "world_from_head", (4, 4), finite=True)
     columns = matrix[:3, :3]
     length = np.linalg.norm(columns, axis=0)
     if not (length > 0).all():

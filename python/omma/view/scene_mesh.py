@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Camera, Image, Instance, Material, Mesh, Scene, Texture
+from omma.base.arrays import Floats
 from omma.picture.band_colours import bands_to_rgb
 from omma.picture.cameras import display, render_camera
 from omma.scene.files import save_scene
 from omma.scene.world import World
-
-Floats = NDArray[np.float64]
 
 # What a browser draws without effort; the largest things are kept.
 MOST_TRIANGLES = 1_500_000

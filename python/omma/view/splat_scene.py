@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma._core import Scene, SplatCloud
+from omma.base.arrays import Floats32
 from omma.picture.cameras import display
 from omma.scene.splat_harmonics import basis
-
-Floats = NDArray[np.float32]
 
 # What a browser sorts and draws without effort; of more each second, third and so on is drawn.
 MOST_SPLATS = 500_000
@@ -24,10 +22,10 @@ class DrawnSplats:
     """In the world: middles (N, 3), m, covariances (N, 3, 3), m², display colours (N, 3), 0 to 1,
     and opacities (N, 1)."""
 
-    centers: Floats
-    covariances: Floats
-    rgbs: Floats
-    opacities: Floats
+    centers: Floats32
+    covariances: Floats32
+    rgbs: Floats32
+    opacities: Floats32
 
 
 def drawn_splats(scene: Scene) -> tuple[list[DrawnSplats], str]:

@@ -7,15 +7,15 @@ no browser.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Camera, Error, Eye, error_scrambles
 from omma.base.arguments import expect, positive, whole, within
+from omma.base.arrays import Floats32
 from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.eye.change import set_acceptance
@@ -28,7 +28,6 @@ from omma.view.poses import HeadPose
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-Floats = NDArray[np.float32]
 
 MOST_SAMPLES = 256
 WIDEST_FACTOR = 10.0
@@ -82,13 +81,13 @@ class Seen:
     look: Look
     samples: int
     standard_error: bool
-    responses: Floats | None
+    responses: Floats32 | None
     """(N, C), linear, as `Renderer.render` gives them; None where receptors were asked for."""
-    errors: Floats | None
+    errors: Floats32 | None
     """(N, C), their standard errors."""
-    receptors: Floats | None
+    receptors: Floats32 | None
     """(R,), as `Renderer.render_receptors` gives them."""
-    receptor_errors: Floats | None
+    receptor_errors: Floats32 | None
     seconds: float
 
     @property
@@ -185,7 +184,7 @@ class Looker:
         renderer = self.renderer(look, rays)
         start = time.perf_counter()
         poses = look.pose.world_from_head
-        found: list[Floats | None] = [None] * 4
+        found: list[Floats32 | None] = [None] * 4
         at = 2 if look.receptors else 0
         if look.receptors and standard_error:
             found[2:] = renderer.render_receptors(
@@ -212,7 +211,7 @@ class Looker:
         samples: int = 1,
         yfov_deg: float = 75.0,
         progress: Progress | None = None,
-    ) -> Floats:
+    ) -> Floats32:
         """A plain camera's picture from where the head is: (height, width, C), linear."""
         self.go_to_time(look.time_s)
         camera = Camera(
@@ -229,13 +228,3 @@ class Looker:
     def duration_s(self) -> float:
         """Of the longest of the scene's animations; 0 where there is none."""
         return max((one.duration_s for one in self.world.scene.animations), default=0.0)
-
-
-def refined(
-    looker: Looker, look: Look, most: int = _FINEST, stages: Sequence[Seen] = ()
-) -> list[Seen]:
-    """All frames of what holds still, from the first to that of ``most`` samples."""
-    found = list(stages) or [looker.see(look)]
-    while (after := finer(found[-1])) is not None and after[0] <= most:
-        found.append(looker.see(look, *after))
-    return found
