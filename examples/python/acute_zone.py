@@ -202,6 +202,7 @@ def draw(found: dict, out: str) -> None:
     best = theory()
     elevation, width = (np.degrees(found[name]) for name in ("elevation_rad", "width_rad"))
     figure, panels = plt.subplots(1, 3, figsize=(11, 3.6), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.1)  # labels of one panel clear of the next
     left, middle, right = panels
     left.plot(elevation[:, ::3], color=COLOURS[0], lw=0.7)
     left.set(xlabel="step", ylabel="elevation of axes (°), every third", ylim=(-60, 60))
@@ -211,14 +212,15 @@ def draw(found: dict, out: str) -> None:
     last, learned = elevation[-1], np.gradient(elevation[-1])
     middle.plot(last, learned, "o", ms=3, color=COLOURS[0], label="Δφ, learned")
     middle.plot(last, width[-1], "s", ms=3, color=COLOURS[1], label="Δρ, learned")
-    middle.set(xlabel="elevation (°)", ylabel="angle (°)", ylim=(0, 3.6))
-    middle.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
+    middle.set(xlabel="elevation (°)", ylabel="angle (°)", ylim=(0, 2.6))
+    narrow = {"handlelength": 1.5, "columnspacing": 1.0}
+    middle.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", **narrow)
     rows = zip(found["elevation_rad"], found["width_rad"], strict=True)
     error = [error_rad(*row) for row in rows]
     right.plot(np.degrees(error), color=COLOURS[0], lw=1.6, label="of the eye")
     least = np.degrees(best["error_rad"])
     right.axhline(least, color=GREY, lw=1, ls="--", label="least, of the theory")
-    right.set(xlabel="step", ylabel="error of an edge's place (°)", ylim=(0, None))
+    right.set(xlabel="step", ylabel="error of an edge's elevation (°)", ylim=(0, None))
     right.legend(frameon=False, fontsize=8)
     for panel in panels:
         panel.spines[["top", "right"]].set_visible(False)
@@ -229,7 +231,7 @@ def main() -> None:
     found = learn()
     best = theory()
     elevation, width = found["elevation_rad"], found["width_rad"]
-    print("step   error of an edge's place (°)")
+    print("step   error of an edge's elevation (°)")
     for k in range(0, len(elevation), 10):
         print(f"{k:4} {np.degrees(error_rad(elevation[k], width[k])):12.4f}")
     print(f"least {np.degrees(best['error_rad']):11.4f}")

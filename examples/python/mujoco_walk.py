@@ -66,8 +66,8 @@ def walk(rays=16):
 
 
 def draw(path, eye, world, way, seen):
-    figure = plt.figure(figsize=(12, 7.2), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=(1, 1.5))
+    figure = plt.figure(figsize=(9.6, 7.2), layout="constrained")
+    left, right = figure.subfigures(1, 2, width_ratios=(1, 0.9))
     panel = left.subplots()
     panel.set_title("From above, and the way of the body", fontsize=10)
     for x, y, colour in POSTS:
@@ -80,6 +80,7 @@ def draw(path, eye, world, way, seen):
                        textcoords="offset points", fontsize=9)  # fmt: skip
     panel.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", xlim=(-3, 28), ylim=(-12, 14))
     panel.grid(color="0.9")
+    panel.set_axisbelow(True)
     for panel, moment in zip(right.subplots(3, 1), moments):
         # What is farther than 8° from every axis no ommatidium sees: it is hatched.
         picture = omma.picture.equirectangular(eye, seen[moment], 720, 360, max_angle_deg=8)

@@ -65,8 +65,6 @@ def test_below_the_horizon(tmp_path, run_omma):
     code, _, err = run_omma(*given)
     assert code == 1
     assert "--sun: expected -8 to 90, found -12.0; omma.light.natural_sky goes on" in err
-    code, out, err = run_omma(*given, "--kind", "natural")
-    assert (code, out, err) == (0, f"wrote {name}\n", "")
 
 
 @pytest.mark.parametrize("moment", ["2026-06-21T12:00:00+02:00", "2026-06-21T23:59:00+02:00"])

@@ -43,7 +43,7 @@ the skies are.
 
 `omma light show --sun 40 --kind overcast -o cloud.png --wavelength 500`
 
-`omma light show --sun -12 --kind natural -o dusk.png`
+`omma light show --sun -12 --kind natural -o dusk.png --wavelength 440`
 """
 
 # Of figures: finer than eyes need.
