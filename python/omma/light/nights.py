@@ -81,6 +81,7 @@ def natural_sky_at(
     ozone_du: float = 300.0,
     albedo: float = 0.1,
     height_m: float = 0.0,
+    haze_kind: HazeKind = "rural",
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
@@ -94,9 +95,9 @@ def natural_sky_at(
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
-        aerosol, ozone_du: as of `clear_sky`, of what sun and moon light; the night's own glow is
-            seen through its usual air.
-        albedo, height_m, bands, unit: as of `clear_sky`.
+        aerosol, ozone_du, height_m, haze_kind: as of `clear_sky`, of what sun and moon light; the
+            night's own glow is seen through its usual air.
+        albedo, bands, unit: as of `clear_sky`.
 
     Example:
         >>> from datetime import date, timedelta
@@ -125,6 +126,7 @@ def natural_sky_at(
             ozone_du=ozone_du,
             albedo=albedo,
             height_m=height_m,
+            haze_kind=haze_kind,
             bands=bands,
             unit=unit,
         )
@@ -142,6 +144,7 @@ def natural_sky_at(
         ozone_du=ozone_du,
         albedo=albedo,
         height_m=height_m,
+        haze_kind=haze_kind,
         bands=bands,
         unit=unit,
     )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from omma.light.haze_kinds import depth_between, haze_of
 from omma.light.sky_height import MOST_HEIGHT_M, air_above, less_air
+from omma.light.sky_zenith import NOISY_BELOW_DEG, smooth_at_zenith
 from omma.light.units import PHOTONS_PER_JOULE_NM
 
 Floats = NDArray[np.float64]
@@ -148,7 +149,10 @@ def sky_fields(
         share = np.stack(np.broadcast_arrays(of_haze[:, None, None], of_angle, of_angle))
         for s, of_sun in suns:
             steps = np.cumsum(table["steps"][h, s], axis=-1, dtype=np.int32)
-            stokes = stokes + of_sun * share * (steps * table["step"][:, None, None, None])
+            one = steps * table["step"][:, None, None, None]
+            if table["sun_deg"][s] < NOISY_BELOW_DEG:
+                one = smooth_at_zenith(one, table["elevation_deg"])
+            stokes = stokes + of_sun * share * one
             log_i = log_i + of_sun * of_haze * table["log_mean"][h, s]
     ozone: Any = 0.0
     for s, of_sun in suns:
