@@ -49,6 +49,7 @@ MOST_AEROSOL = 0.3
 OZONE_RANGE_DU = (200.0, 450.0)
 WAVELENGTH_RANGE_NM = (300.0, 700.0)
 SUN_DIAMETER_DEG = 0.533
+_MOST_ONCE = 0.9  # of a sky's light, what haze scatters once
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
 
@@ -277,8 +278,11 @@ class TableSky:
         )
         angles = scattering_angles(self.sun_deg, elevation_deg, azimuth_deg)
         ours, theirs = self._amounts()
-        rest = np.stack([i, i * q, i * u]) - ways.once_by_haze(*ours, angles)
-        i, q, u = rest * ways.dimmer(ours, theirs) + ways.once_by_haze(*theirs, angles)
+        once, other = (ways.once_by_haze(*one, angles) for one in (ours, theirs))
+        # Low near a low sun the quadrature has more than there is.
+        kept = np.minimum(1, _MOST_ONCE * i / np.maximum(once[0], 1e-300))
+        rest = np.stack([i, i * q, i * u]) - kept * once
+        i, q, u = rest * ways.dimmer(ours, theirs) + kept * other
         return np.log(i), q / i, u / i
 
     def _sun_masses(self) -> Floats:
