@@ -178,9 +178,13 @@ def test_skies_of_kinds():
     [
         ({"haze_kind": "dust"}, "haze_kind: expected one of rural, urban, maritime, smoke"),
         ({"haze_kind": "smoke", "aerosol": 0.3}, "aerosol: expected 0 to 0.2.* of smoke haze"),
+        (
+            {"haze_kind": "urban", "sun_elevation_deg": 9.9},
+            "haze_kind: expected rural with the sun below 10 degrees, found urban",
+        ),
         ({"haze_kind": "urban", "aerosol": 0.31}, "aerosol: expected 0 to 0.3 of urban haze"),
     ],
 )
 def test_nonsense_is_refused(change, message):
     with pytest.raises(omma.Error, match=message):
-        omma.light.clear_sky(30.0, **change)
+        omma.light.clear_sky(**{"sun_elevation_deg": 30.0, **change})

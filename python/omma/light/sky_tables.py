@@ -45,6 +45,8 @@ from omma.light.sky_stored import (
 Floats = NDArray[np.float64]
 
 LOWEST_SUN_DEG = -8.0
+# Below, most light is scattered more often than once, which is not known of other hazes.
+LOWEST_SUN_OF_KINDS_DEG = 10.0
 MOST_AEROSOL = 0.3
 OZONE_RANGE_DU = (200.0, 450.0)
 WAVELENGTH_RANGE_NM = (300.0, 700.0)
@@ -86,7 +88,8 @@ def clear_sky_map(
         ozone_du: column of ozone, from 200 to 450 Dobson units.
         albedo: of the ground all round, from 0 to 1.
         height_m: of that ground above the sea, from 0 to 5000 m.
-        haze_kind: "rural", "urban", "maritime" or "smoke".
+        haze_kind: "rural", "urban", "maritime" or "smoke"; others than rural from 10 degrees of
+            sun on.
         unit: "photons", m^-2 s^-1 sr^-1 nm^-1, or "watts", W m^-2 sr^-1 nm^-1.
         width_nm: (K,), about each wavelength, over which the sun's lines are averaged.
 
@@ -106,6 +109,11 @@ def clear_sky_map(
     _within(sun_azimuth_deg, "sun_azimuth_deg", -1e6, 1e6)
     _within(height_m, "height_m", 0, MOST_HEIGHT_M)
     one_of(haze_kind, KINDS, "haze_kind")
+    if haze_kind != "rural" and sun_elevation_deg < LOWEST_SUN_OF_KINDS_DEG:
+        raise Error(
+            f"haze_kind: expected rural with the sun below {LOWEST_SUN_OF_KINDS_DEG:g} degrees, "
+            f"found {haze_kind}"
+        )
     _check_aerosol(aerosol, haze_kind)
     _within(ozone_du, "ozone_du", *OZONE_RANGE_DU)
     _within(albedo, "albedo", 0, 1)
