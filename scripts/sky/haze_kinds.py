@@ -7,7 +7,7 @@ table 1c as geisa.aeris-data.fr/opac has it; numbers of particles as transcribed
 types in the package pymopsmap; radii of wet sea salt those of GADS (Koepke et al. 1997) in the
 source of ECHAM4; that of wet water-soluble particles by their volume in OPAC's own output of
 "continental polluted". Refractive indices are those of Shettle and Fenn (1979), recalled, not read
-again; with them that output is met at 550 nm to its last digits (tests/python/test_haze_kinds.py).
+again; with them that output is met at 550 nm within 1e-4 (tests/python/test_haze_kinds.py).
 
 Smoke is that of Amazonian forest (Dubovik et al., J. Atmos. Sci. 59, 590, 2002, table 1), small
 particles alone, recalled, not read again.

@@ -27,7 +27,7 @@ KINDS: tuple[HazeKind, ...] = ("rural", "urban", "maritime", "smoke")
 Amount = tuple["Haze", "Floats | float"]
 # Haze thins out with 2 km, air with some 8.4.
 _HAZE_OVER_AIR = 2.0 / 8.4
-_DIFFUSE_MASS = 1.66  # of light from everywhere (Elsasser 1942)
+_DIFFUSE_MASS = 1.66  # of light from everywhere (Elsasser 1942, recalled)
 # For quadratures over the share that is above, and their weights.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _SHARES = 0.5 * (_NODES + 1), 0.5 * _WEIGHTS

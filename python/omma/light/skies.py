@@ -121,8 +121,8 @@ def clear_sky(
         albedo: share of light that the land around gives back, 0 to 1.
         height_m: of the land around above the sea, 0 to 5000. Air is that of the US Standard
             Atmosphere 1976: 0.785 of the sea's at 2000 m.
-        haze_kind: "rural"; "urban", with soot; "maritime", of sea salt; or "smoke" of forests.
-            docs/light.md says what is theirs.
+        haze_kind: "rural"; and with the sun from 10 degrees on "urban", with soot; "maritime", of
+            sea salt; or "smoke" of forests, up to 0.219. docs/light.md says what is theirs.
         bands: by default 16 of 25 nm from 300 to 700 nm.
         unit: "photons" m⁻² s⁻¹ sr⁻¹ nm⁻¹ or "watts" m⁻² sr⁻¹ nm⁻¹.
 

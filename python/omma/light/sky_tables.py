@@ -45,10 +45,13 @@ from omma.light.sky_stored import (
 Floats = NDArray[np.float64]
 
 LOWEST_SUN_DEG = -8.0
+# Below, most light is scattered more often than once, which is not known of other hazes.
+LOWEST_SUN_OF_KINDS_DEG = 10.0
 MOST_AEROSOL = 0.3
 OZONE_RANGE_DU = (200.0, 450.0)
 WAVELENGTH_RANGE_NM = (300.0, 700.0)
 SUN_DIAMETER_DEG = 0.533
+_MOST_ONCE = 0.9  # of a sky's light, what haze scatters once
 ROWS, COLUMNS = 91, 360  # of the maps that are made: one degree
 
 
@@ -85,7 +88,8 @@ def clear_sky_map(
         ozone_du: column of ozone, from 200 to 450 Dobson units.
         albedo: of the ground all round, from 0 to 1.
         height_m: of that ground above the sea, from 0 to 5000 m.
-        haze_kind: "rural", "urban", "maritime" or "smoke".
+        haze_kind: "rural", "urban", "maritime" or "smoke"; others than rural from 10 degrees of
+            sun on.
         unit: "photons", m^-2 s^-1 sr^-1 nm^-1, or "watts", W m^-2 sr^-1 nm^-1.
         width_nm: (K,), about each wavelength, over which the sun's lines are averaged.
 
@@ -110,6 +114,11 @@ def clear_sky_map(
     _within(sun_azimuth_deg, "sun_azimuth_deg", -1e6, 1e6)
     _within(height_m, "height_m", 0, MOST_HEIGHT_M)
     one_of(haze_kind, KINDS, "haze_kind")
+    if haze_kind != "rural" and sun_elevation_deg < LOWEST_SUN_OF_KINDS_DEG:
+        raise Error(
+            f"haze_kind: expected rural with the sun below {LOWEST_SUN_OF_KINDS_DEG:g} degrees, "
+            f"found {haze_kind}"
+        )
     _check_aerosol(aerosol, haze_kind)
     _within(ozone_du, "ozone_du", *OZONE_RANGE_DU)
     _within(albedo, "albedo", 0, 1)
@@ -282,8 +291,11 @@ class TableSky:
         )
         angles = scattering_angles(self.sun_deg, elevation_deg, azimuth_deg)
         ours, theirs = self._amounts()
-        rest = np.stack([i, i * q, i * u]) - ways.once_by_haze(*ours, angles)
-        i, q, u = rest * ways.dimmer(ours, theirs) + ways.once_by_haze(*theirs, angles)
+        once, other = (ways.once_by_haze(*one, angles) for one in (ours, theirs))
+        # Low near a low sun the quadrature has more than there is.
+        kept = np.minimum(1, _MOST_ONCE * i / np.maximum(once[0], 1e-300))
+        rest = np.stack([i, i * q, i * u]) - kept * once
+        i, q, u = rest * ways.dimmer(ours, theirs) + kept * other
         return np.log(i), q / i, u / i
 
     def _sun_masses(self) -> Floats:
