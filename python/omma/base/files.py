@@ -203,6 +203,12 @@ class WholeFile:
         self._files.close(self._number)
 
 
+def write_whole(path: PathLike, data: bytes) -> None:
+    """A file of these bytes, there whole or not at all."""
+    with WholeFiles() as files:
+        files.open(os.fsdecode(path)).write(data)
+
+
 def check_target(name: str) -> None:
     """Throws omma.Error where a file of that name cannot be made."""
     name = local_path(name)

@@ -13,7 +13,7 @@ from rich.table import Table
 from omma._core import Error
 from omma.base.arguments import as_named
 from omma.base.figures import figure_names
-from omma.base.files import WholeFiles, check_ending
+from omma.base.files import check_ending, write_whole
 from omma.cli.eye_files import EyesArgument
 from omma.cli.numbers import finite
 from omma.cli.options import EyeUnitOption
@@ -101,10 +101,9 @@ def info(
         if output is not None:
             save_eye_table(output, head, measures)
         if json_file is not None:
-            with WholeFiles() as files:
-                text = json.dumps(summary, indent=2, ensure_ascii=False) + "\n"
-                # A name that is not UTF-8 becomes JSON's own escapes.
-                files.open(str(json_file)).write(text.encode(errors="backslashreplace"))
+            text = json.dumps(summary, indent=2, ensure_ascii=False) + "\n"
+            # A name that is not UTF-8 becomes JSON's own escapes.
+            write_whole(json_file, text.encode(errors="backslashreplace"))
         if names:
             plot_eye_maps(names, head, measures=measures, progress=bar.show)
     _print_summary(", ".join(str(path) for path in eye), summary)

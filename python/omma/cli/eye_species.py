@@ -12,7 +12,7 @@ from rich.table import Table
 from omma import species
 from omma._core import Error
 from omma.base.arguments import as_named
-from omma.base.files import WholeFiles, check_ending
+from omma.base.files import check_ending, write_whole
 from omma.cli.parameters import argument, option, out, switch
 from omma.cli.working import check_outputs, say, working
 from omma.eye.files import EYE_SUFFIXES, save_eye
@@ -99,8 +99,7 @@ def species_command(
 
 
 def _write_facts(path: Path, name: str | None) -> None:
-    with WholeFiles() as files:
-        files.open(str(path)).write(species.facts_text(name, _FORMS[path.suffix.lower()]).encode())
+    write_whole(path, species.facts_text(name, _FORMS[path.suffix.lower()]).encode())
     say(f"wrote {path}")
 
 

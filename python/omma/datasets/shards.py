@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Error
-from omma.base.files import WholeFiles
+from omma.base.files import WholeFiles, write_whole
 from omma.base.progress import Progress
 from omma.datasets.job_file import TRUTHS, Job
 from omma.datasets.layout import HEAD_MOTION, Layout, is_to_error
@@ -125,9 +125,8 @@ def write_shard(store: str, layouts: Mapping[str, Layout], rendered: RenderedSha
             "machine": platform.node(),
             "files": said,
         }
-        with WholeFiles() as files:
-            name = record_file(store, rendered.number)
-            files.open(name).write(json.dumps(record, indent=1).encode())
+        name = record_file(store, rendered.number)
+        write_whole(name, json.dumps(record, indent=1).encode())
     except Error as error:
         raise Error(f"{error}. What is done is kept; mend that and run the job again") from None
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import os
 from collections import Counter
 from typing import Any
 
@@ -14,7 +11,8 @@ from omma._core import Eye
 from omma.base.arguments import checked
 from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of
-from omma.base.files import PathLike, WholeFiles, check_ending
+from omma.base.files import PathLike, check_ending, write_whole
+from omma.base.tables import csv_text
 from omma.eye.measures import EyeMeasures
 
 _DEGREE = 180 / np.pi
@@ -80,12 +78,8 @@ def save_eye_table(path: PathLike, eye: Eye, measures: EyeMeasures) -> None:
     """
     check_ending(path, ".csv")
     table = eye_table(eye, measures)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(table)
-    writer.writerows(zip(*map(_texts, table.values()), strict=True))
-    with WholeFiles() as files:
-        files.open(os.fsdecode(path)).write(text.getvalue().encode())
+    rows = zip(*map(_texts, table.values()), strict=True)
+    write_whole(path, csv_text(table, rows).encode())
 
 
 @checked

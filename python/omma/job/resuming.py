@@ -19,7 +19,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error
 from omma.base.backend_names import without_ordinals
-from omma.base.files import PathLike, WholeFiles, digests_of
+from omma.base.files import PathLike, WholeFiles, digests_of, write_whole
 from omma.base.said import is_number
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Settings, settings_as_record
@@ -52,9 +52,7 @@ class KeptRender:
             "bytes": files.sync(),
             "spent": None if spent is None else asdict(spent),
         }
-        with WholeFiles() as record:
-            text = json.dumps(said, indent=1)
-            record.open(self.record).write(text.encode())
+        write_whole(self.record, json.dumps(said, indent=1).encode())
 
     def remove(self) -> None:
         """All files are whole and have their names."""

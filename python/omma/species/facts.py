@@ -7,8 +7,6 @@ made of. A row is `measured` (a number that the source prints, or computed from 
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections import Counter
 from dataclasses import dataclass
@@ -20,7 +18,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
 from omma.base.arrays import Floats
 from omma.base.notebook import html_table
-from omma.base.tables import packaged_rows
+from omma.base.tables import csv_text, packaged_rows
 from omma.base.values import value_class
 
 STATUSES = ("measured", "interpolated", "assumed")
@@ -228,13 +226,13 @@ def _find(animal: str, quantity: str) -> Fact:
 
 
 def _csv(table: tuple[Fact, ...]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["animal", "quantity", "value", "unit", "status", "source", "read", "note"])
-    for one in table:
-        said = one.source.citation, one.source.read, one.note
-        writer.writerow([one.animal, one.quantity, f"{one.value:g}", one.unit, one.status, *said])
-    return text.getvalue()
+    header = ("animal", "quantity", "value", "unit", "status", "source", "read", "note")
+    rows = (
+        (one.animal, one.quantity, f"{one.value:g}", one.unit, one.status)
+        + (one.source.citation, one.source.read, one.note)
+        for one in table
+    )
+    return csv_text(header, rows)
 
 
 def _markdown(table: tuple[Fact, ...], with_animal: bool) -> str:

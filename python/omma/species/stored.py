@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Acceptance, Error, Eye, ReceptorType
-from omma.base.files import PathLike, WholeFiles
+from omma.base.files import PathLike, write_whole
 from omma.species.facts import LATIN, Species, facts
 
 Arrays = dict[str, NDArray[Any]]
@@ -80,8 +79,7 @@ def store(path: PathLike, head: Eye) -> None:
     """Writes a head as `stored` reads it."""
     compressed = io.BytesIO()
     np.savez_compressed(compressed, **_arrays(head))  # type: ignore[arg-type]
-    with WholeFiles() as whole:
-        whole.open(os.fsdecode(path)).write(compressed.getvalue())
+    write_whole(path, compressed.getvalue())
 
 
 def _open(name: str) -> Any:

@@ -5,7 +5,6 @@ Plots need Matplotlib, which is imported only here and only when a plot is made.
 
 from __future__ import annotations
 
-import csv
 import io
 import os
 from collections.abc import Mapping, Sequence
@@ -18,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked
 from omma.base.figures import load_matplotlib
-from omma.base.files import PathLike, WholeFiles, check_ending
+from omma.base.files import PathLike, WholeFiles, check_ending, write_whole
+from omma.base.tables import csv_text
 from omma.study.search import MinimumSamples
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS, SpeedTest
 from omma.study.variance import COMPOUNDRAY, OURS, Measure, Method, cell_middles
@@ -241,17 +241,12 @@ def _names(method: Method) -> tuple[str, str]:
 
 
 def _save_csv(path: PathLike, header: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows([f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows)
-    with WholeFiles() as files:
-        files.open(os.fsdecode(path)).write(text.getvalue().encode())
+    cells = ([f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows)
+    write_whole(path, csv_text(header, cells).encode())
 
 
 def _save_png(path: PathLike, figure: Figure) -> None:
     buffer = io.BytesIO()
     # Tight, as the layout alone cuts labels beside pictures that keep their aspect.
     figure.savefig(buffer, format="png", dpi=130, bbox_inches="tight")
-    with WholeFiles() as files:
-        files.open(os.fsdecode(path)).write(buffer.getvalue())
+    write_whole(path, buffer.getvalue())
