@@ -6,16 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, within
+from omma.base.arrays import Floats
 from omma.light.lights import Light, makes_light
 from omma.light.skies import CLEAR_SKY_AEROSOL
 from omma.light.sky_height import AIR_HEIGHT_M, air_above
 from omma.light.sky_stored import depths_of_air_and_haze
-
-Floats = NDArray[np.float64]
 
 # Makers and methods whose light has the air of the one that they were given.
 _SAME_AIR = ("with_air", "clouded", "plus", "scaled", "turned")

@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import array_of, checked, whole
+from omma.base.arrays import Floats
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
 
 # Between samples inside of a band: spectra of pigments, leaves and skies change little over it.
 _STEP_NM = 1.0

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import arrays_of, as_named, checked, whole, within
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.lights import MOST_AZIMUTH_DEG, Light, makes_light
 from omma.light.sky_map import irradiance, sky_nodes
 from omma.light.units import Unit
-
-Floats = NDArray[np.float64]
 
 TYPES = 15
 # ISO 15469:2004 / CIE S 011:2003, table 1: a, b of the gradation, c, d, e of the indicatrix.

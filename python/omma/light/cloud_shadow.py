@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, positive
+from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.light.discs import directions_of
-
-Floats = NDArray[np.float64]
 
 
 @value_class

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import arrays_of, checked, one_of, positive, whole, within
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.light import sky_map
 from omma.light.bands import Bands
@@ -21,7 +22,6 @@ from omma.light.lights import Light, makes_light
 from omma.light.skies import clear_sky
 from omma.light.units import Unit
 
-Floats = NDArray[np.float64]
 Kind = Literal["cumulus", "cirrus", "deck"]
 
 ROWS, COLUMNS = 91, 360

@@ -7,9 +7,9 @@ from __future__ import annotations
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma.base.arguments import checked, within
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.lights import Light, makes_light
@@ -28,8 +28,6 @@ from omma.light.star_maps import (
 )
 from omma.light.sun_position import universal
 from omma.light.units import PHOTONS_PER_JOULE_NM, PLANCK_J_S, Unit, check_unit
-
-Floats = NDArray[np.float64]
 
 _ROWS, _COLUMNS = 91, 180
 # One S10 over the sun's irradiance, for each steradian: of a sun of magnitude -26.74 (Leinert et

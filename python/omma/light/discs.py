@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of
+from omma.base.arrays import Floats
 from omma.base.directions import normalized
 from omma.base.values import value_class
-
-Floats = NDArray[np.float64]
 
 # In single precision directions within a smaller disc are not told from those beside it.
 SMALLEST_DISC_RAD, _LARGEST_DISC_RAD = 1e-6, 0.1

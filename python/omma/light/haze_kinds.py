@@ -15,11 +15,10 @@ from importlib import resources
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 
-Floats = NDArray[np.float64]
 HazeKind = Literal["rural", "urban", "maritime", "smoke"]
 
 KINDS: tuple[HazeKind, ...] = ("rural", "urban", "maritime", "smoke")

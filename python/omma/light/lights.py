@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect
+from omma.base.arrays import Floats
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.notebook import html_table
 from omma.base.values import value_class
@@ -22,7 +23,6 @@ from omma.light.cloud_shadow import CloudShadow
 from omma.light.discs import Disc, directions_of, strengths
 from omma.light.units import Unit, check_unit
 
-Floats = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
 
 # A maker's name and its arguments.

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.base.directions import direction, normalized
 from omma.light.discs import Disc
-
-Floats = NDArray[np.float64]
 
 MOON_RADIUS_RAD = float(np.radians(0.518 / 2))  # at its mean distance
 _MOST_STRIPS, _POINTS = 5, 801

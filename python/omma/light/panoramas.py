@@ -6,17 +6,16 @@ import os
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error, Image
 from omma.base.arguments import array_of, checked, positive
+from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.light.bands import Bands, primary_spectra
 from omma.light.lights import Light
 from omma.light.sky_map import from_equirectangular
 from omma.light.units import Unit, check_unit, watts_from_photons
-
-Floats = NDArray[np.float64]
 
 # RGB says nothing below it.
 _LEAST_NM = 400.0

@@ -8,10 +8,11 @@ from __future__ import annotations
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.discs import Disc
@@ -28,8 +29,6 @@ from omma.light.sky_tables import (
 )
 from omma.light.sun_position import sun_position
 from omma.light.units import Unit, check_unit
-
-Floats = NDArray[np.float64]
 
 CLEAR_SKY_AEROSOL = 0.1  # of `clear_sky`, where nothing is said
 

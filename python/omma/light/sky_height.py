@@ -8,9 +8,8 @@ wavelengths, without ozone, whose depth goes another way.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats
 
 MOST_HEIGHT_M = 5000.0
 # US Standard Atmosphere 1976, which has these up to 11 km (with a gas constant 2e-5 lower).

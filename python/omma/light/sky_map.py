@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from omma.base.arrays import Floats, Ints
+
 Map = NDArray[np.float32]
-Whole = NDArray[np.int64]
 
 # Of sums over a hemisphere: intervals between rows are cut to this, or finer where the map is.
 _STEP_DEG = 1.0
@@ -142,7 +142,7 @@ def _pole(values: Floats, axis: Floats) -> Floats:
     return np.asarray(mean)
 
 
-def _mixed(sky: Map, half: Whole, height: Floats, azimuth: Floats) -> Floats:
+def _mixed(sky: Map, half: Ints, height: Floats, azimuth: Floats) -> Floats:
     """A map between its nodes; ``height`` is the elevation without its sign, rad.
 
     Each node has a reference axis of its own. Carried along a circle of elevation without being
@@ -162,8 +162,8 @@ def _mixed(sky: Map, half: Whole, height: Floats, azimuth: Floats) -> Floats:
 
 
 def _corners(
-    rows: int, columns: int, half: Whole, height: Floats, azimuth: Floats
-) -> list[tuple[Floats, Floats, tuple[Whole, ...]]]:
+    rows: int, columns: int, half: Ints, height: Floats, azimuth: Floats
+) -> list[tuple[Floats, Floats, tuple[Ints, ...]]]:
     """The four nodes around directions: their bilinear weights, the angle by which the direction is
     to their right, rad, and their indices."""
     row = np.clip(height / (np.pi / 2), 0, 1) * (rows - 1)

@@ -13,14 +13,12 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats
 from omma.light.haze_kinds import depth_between, haze_of
 from omma.light.sky_height import MOST_HEIGHT_M, air_above, less_air
 from omma.light.sky_zenith import NOISY_BELOW_DEG, smooth_at_zenith
 from omma.light.units import PHOTONS_PER_JOULE_NM
-
-Floats = NDArray[np.float64]
 
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of
+from omma.base.arrays import Floats
 from omma.base.one_thread import product
 from omma.light.haze_kinds import (
     KINDS,
@@ -41,8 +42,6 @@ from omma.light.sky_stored import (
     sun_spectrum,
     with_less_air,
 )
-
-Floats = NDArray[np.float64]
 
 LOWEST_SUN_DEG = -8.0
 # Below, most light is scattered more often than once, which is not known of other hazes.

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from omma import _core
 from omma._core import Error, Spectrum
 from omma.base.arguments import checked, one_of
+from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.base.warn import warn_caller
 
-Floats = NDArray[np.float64]
 SpectrumUnit = Literal["fraction", "percent", "as_is"]
 
 # The lines of Ocean Optics' and its successors' files between which the table is.

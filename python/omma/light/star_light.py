@@ -6,9 +6,9 @@ import functools
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omma.base.arguments import checked, within
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.light.bands import Bands
 from omma.light.discs import Disc
@@ -16,8 +16,6 @@ from omma.light.lights import Light, makes_light
 from omma.light.sky_tables import TableSky, check_range
 from omma.light.sun_position import load_ephem, observer_at, universal
 from omma.light.units import LIGHT_M_PER_S, PHOTONS_PER_JOULE_NM, PLANCK_J_S, Unit, check_unit
-
-Floats = NDArray[np.float64]
 
 # Far smaller than any acceptance, and ten times what single precision tells from nothing.
 RADIUS_RAD = 1e-5

@@ -11,12 +11,9 @@ from datetime import datetime
 from importlib import resources
 
 import numpy as np
-from numpy.typing import NDArray
 
+from omma.base.arrays import Floats, Ints
 from omma.light.sun_position import load_ephem, observer_at
-
-Floats = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 # Of the zodiacal light at the ecliptic's poles (Leinert et al. 1998, equation 19).
 ZODIACAL_POLE_S10 = 60.0
@@ -86,7 +83,7 @@ def sun_longitude_rad(moment: datetime) -> float:
     return float(ephem.Ecliptic(sun).lon)
 
 
-def node_shares(galactic: Floats) -> list[tuple[Floats, Whole, Whole]]:
+def node_shares(galactic: Floats) -> list[tuple[Floats, Ints, Ints]]:
     """The four nodes about directions (..., 3), of the map of starlight: shares, rows, columns.
     Nearer to the poles than its last rows these hold."""
     latitude = _star_nodes()[0]
@@ -117,7 +114,7 @@ def node_solid_angles() -> Floats:
     return np.repeat(sums[:, None], 36, axis=1)
 
 
-def _between(nodes: Floats, at: Floats) -> tuple[Whole, Floats]:
+def _between(nodes: Floats, at: Floats) -> tuple[Ints, Floats]:
     low = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
     return low, np.asarray((at - nodes[low]) / (nodes[low + 1] - nodes[low]))
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, within
+from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.base.warn import warn_caller
 from omma.light import sky_map
@@ -16,8 +17,6 @@ from omma.light.bands import Bands
 from omma.light.discs import SMALLEST_DISC_RAD, Disc
 from omma.light.lights import Light, makes_light
 from omma.light.sky_tables import check_range
-
-Floats = NDArray[np.float64]
 
 _DEEPEST_M = 1000.0
 _INDICES = (1.3, 1.4)
