@@ -342,6 +342,12 @@ def test_what_is_never_and_what_is_always_told():
             "noise: expected 3, one for each receptor type of the eye, found 1",
         ),
         (
+            lambda: omma.detect(
+                bee(), DiscTarget(0.01, 0, 1), LIGHT, Observer(azimuth_deg=180), between_m=(1, 9)
+            ),
+            "observer: expected a direction that ommatidia of the eye look into, found azimuth 180",
+        ),
+        (
             lambda: omma.detect(bee(), DiscTarget(1, 0, 1), LIGHT, between_m=(2, 1)),
             "between_m: expected two ascending distances",
         ),

@@ -94,7 +94,8 @@ def detect(
 
     Raises:
         omma.Error: an argument out of its range, an eye of which catches are not known, receptors
-            or noise that the eye does not have, colour in ommatidia that lack a class.
+            or noise that the eye does not have, colour in ommatidia that lack a class, a target
+            where no ommatidium looks.
     """
     observer = Observer() if observer is None else observer
     near, far = _ends(between_m)
@@ -110,6 +111,12 @@ def detect(
     if near >= far:
         raise Error(
             f"between_m: expected to begin before {far:g} m, 100,000 diameters of the target"
+        )
+
+    if not view.is_reached(near):
+        raise Error(
+            "observer: expected a direction that ommatidia of the eye look into, found azimuth "
+            f"{observer.azimuth_deg:g}, elevation {observer.elevation_deg:g} degrees"
         )
 
     stages = (_FIRST, *(_MORE if sampling is None else (sampling,)))

@@ -71,11 +71,18 @@ class View:
 
     def reached(self, nearest_m: float) -> NDArray[np.intp]:
         """The ommatidia that see anything of it at this distance or beyond; at least one."""
+        reach = max(self._reach_rad(nearest_m), float(self._off_axis_rad.min()))
+        return np.flatnonzero(self._off_axis_rad <= reach)
+
+    def is_reached(self, nearest_m: float) -> bool:
+        """Whether any ommatidium sees anything of it."""
+        return bool(self._off_axis_rad.min() <= self._reach_rad(nearest_m))
+
+    def _reach_rad(self, nearest_m: float) -> float:
         reach = math.atan2(self._diameter_m / 2, nearest_m) + _WIDTHS * self._widest_rad
         # Lenses lie beside the middle of the head, from where they see the target elsewhere.
         beside = float(np.max(np.sqrt(np.sum(self._whole.position_m**2, axis=1))))
-        reach += math.asin(min(beside / nearest_m, 1.0))
-        return np.flatnonzero(self._off_axis_rad <= max(reach, float(self._off_axis_rad.min())))
+        return reach + math.asin(min(beside / nearest_m, 1.0))
 
     def through(self, ommatidia: NDArray[np.intp], sampling: Fixed, seed: int) -> Looking:
         """These ommatidia, by so many rays."""
