@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "physics/path/baked.h"
 #include "threads/parallel.h"
