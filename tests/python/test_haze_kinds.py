@@ -180,7 +180,7 @@ def test_skies_of_kinds():
         ({"haze_kind": "smoke", "aerosol": 0.3}, "aerosol: expected 0 to 0.2.* of smoke haze"),
         (
             {"haze_kind": "urban", "sun_elevation_deg": 9.9},
-            "haze_kind: expected rural with the sun below 10 degrees, found urban",
+            "haze_kind: expected rural with the sun or the moon below 10 degrees, found urban",
         ),
         ({"haze_kind": "urban", "aerosol": 0.31}, "aerosol: expected 0 to 0.3 of urban haze"),
     ],

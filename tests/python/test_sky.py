@@ -374,19 +374,21 @@ def test_tables_between_nodes_against_their_generator(monkeypatch, sun, haze, oz
             assert np.all(np.abs(found - stokes[:, :, k] / stokes[:, :, 0]) < 0.003 + of_noise)
 
 
+@pytest.mark.parametrize("height_m", [0.0, 2000.0, 5000.0])
 @pytest.mark.parametrize("sun_deg", [-5.0, -8.0])
-def test_twilight_is_smooth_at_the_zenith(sun_deg):
-    """Two degrees from it directions differ by a slope through it alone, of 1.2 % a degree at most
-    in the red under a sun of -8 degrees."""
+def test_twilight_is_smooth_at_the_zenith(sun_deg, height_m):
+    """Two degrees from it directions differ by a slope through it alone, which tables have as up to
+    1.7 % a degree; as stored they differ by 11 to 200 %."""
     azimuth, beside = np.radians(np.arange(0, 360, 15)), np.radians(2)
     ring = np.column_stack(
         [np.sin(beside) * np.sin(azimuth), np.full(azimuth.size, np.cos(beside)),
          -np.sin(beside) * np.cos(azimuth)]
     )  # fmt: skip
-    sky = omma.light.clear_sky(sun_deg, bands=omma.light.Bands.equal(3, 400, 700))
+    bands = omma.light.Bands.equal(3, 400, 700)
+    sky = omma.light.clear_sky(sun_deg, height_m=height_m, bands=bands)
     intensity, q, u = np.moveaxis(sky.radiance(ring), 1, 0)
-    assert (np.ptp(intensity, axis=0) < 0.06 * intensity.mean(axis=0)).all()
+    assert (np.ptp(intensity, axis=0) < 0.08 * intensity.mean(axis=0)).all()
     # Of a reference that turns with the azimuth.
     polarised = np.hypot(q, u) / intensity
-    assert (np.ptp(polarised, axis=0) < 0.1).all()
+    assert (np.ptp(polarised, axis=0) < 0.13).all()
     assert (polarised > 0.3).all()

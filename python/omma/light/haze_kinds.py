@@ -73,14 +73,14 @@ class Ways:
 
     air: optical depth of air upwards, (K,).
     air_mass, haze_mass: on the way looked along, over the column, (E,).
-    sun_masses: on the sun's way through air and haze; None: it is below the horizon.
+    sun_masses: on the sun's way through air and haze.
     ozone: share of the sun's light that ozone lets pass, (K,).
     """
 
     air: Floats
     air_mass: Floats
     haze_mass: Floats
-    sun_masses: tuple[float, float] | None
+    sun_masses: tuple[float, float]
     ozone: Floats
 
     def once_by_haze(self, haze: Haze, depth: Floats | float, angles: tuple[Floats, Floats]) -> Any:
@@ -90,8 +90,6 @@ class Ways:
         On the way g² of what it scatters counts as not scattered, as it goes nearly straight on
         (Joseph, Wiscombe and Weinman, J. Atmos. Sci. 33:2452, 1976, recalled).
         """
-        if self.sun_masses is None:
-            return np.zeros((3, len(self.air), *angles[0].shape))
         above, weight = _SHARES
         extinction = np.asarray(depth * haze.depth)
         on_way = extinction * (1 - haze.scattered * haze.cosine**2)
@@ -116,8 +114,8 @@ class Ways:
 
     def _left(self, haze_above: Floats, air_above: Floats, extinction: Floats) -> Floats:
         """Of the sun's light, what is left where it is scattered and then at the ground: (K, E,
-        heights). From a sun below the horizon it comes through what is high up."""
-        sun_air, sun_haze = self.sun_masses or (0.0, 0.0)
+        heights)."""
+        sun_air, sun_haze = self.sun_masses
         air = self.air_mass[:, None] * (1 - air_above) + sun_air * air_above
         haze = self.haze_mass[:, None] * (1 - haze_above) + sun_haze * haze_above
         return np.asarray(np.exp(-self.air[:, None, None] * air - extinction[:, None, None] * haze))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -47,8 +48,8 @@ def natural_sky(
 
     Args:
         sun_elevation_deg: of the sun's centre, without refraction, -90 to 90.
-        sun_azimuth_deg, aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit:
-            as of `clear_sky`.
+        sun_azimuth_deg, aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
+            `clear_sky`.
 
     Raises:
         omma.Error: a number out of range.
@@ -117,18 +118,14 @@ def natural_sky_at(
     light = night_sky_at(
         date_time, latitude_deg, longitude_deg, albedo=albedo, bands=bands, unit=unit
     )
+    air: dict[str, Any] = {"aerosol": aerosol, "ozone_du": ozone_du, "albedo": albedo}
+    air |= {"height_m": height_m, "haze_kind": haze_kind, "bands": bands, "unit": unit}
     share = twilight_share(sun.elevation_deg)
     if share > 0:
         light = light + share * clear_sky(
             max(sun.elevation_deg, LOWEST_SUN_DEG),
             sun_azimuth_deg=sun.azimuth_deg,
-            aerosol=aerosol,
-            ozone_du=ozone_du,
-            albedo=albedo,
-            height_m=height_m,
-            haze_kind=haze_kind,
-            bands=bands,
-            unit=unit,
+            **air,
         )
     if moon.elevation_deg < LOWEST_SUN_DEG or abs(moon.phase_angle_deg) > 150:
         return light
@@ -140,13 +137,7 @@ def natural_sky_at(
             direction(moon.azimuth_deg, moon.elevation_deg),
             direction(sun.azimuth_deg, sun.elevation_deg),
         ),
-        aerosol=aerosol,
-        ozone_du=ozone_du,
-        albedo=albedo,
-        height_m=height_m,
-        haze_kind=haze_kind,
-        bands=bands,
-        unit=unit,
+        **air,
     )
     return light + moonlit
 

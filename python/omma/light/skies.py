@@ -170,8 +170,7 @@ def clear_sky_at(
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
-        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
-            `clear_sky`.
+        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of `clear_sky`.
 
     Raises:
         omma.Error: a time without a time zone or out of range, a latitude or longitude out of
@@ -223,8 +222,7 @@ def moonlit_sky(
         bright_limb_deg: where its limb is brightest, towards the sun: from up, turning to the right
             as one looks at it. None: the disc is whole, as bright in the mean as its lit part makes
             it.
-        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
-            `clear_sky`.
+        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of `clear_sky`.
 
     Raises:
         omma.Error: a number out of range.
@@ -283,8 +281,7 @@ def overcast_sky(
     Args:
         sun_elevation_deg: of the sun behind the cloud.
         cloud_transmittance: above 0, at most 1.
-        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of
-            `clear_sky`.
+        aerosol, ozone_du, albedo, height_m, haze_kind, bands, unit: as of `clear_sky`.
 
     Raises:
         omma.Error: a number out of range.

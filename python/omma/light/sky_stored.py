@@ -17,7 +17,7 @@ import numpy as np
 from omma.base.arrays import Floats
 from omma.light.haze_kinds import depth_between, haze_of
 from omma.light.sky_height import MOST_HEIGHT_M, air_above, less_air
-from omma.light.sky_zenith import NOISY_BELOW_DEG, smooth_at_zenith
+from omma.light.sky_zenith import smooth_at_zenith
 from omma.light.units import PHOTONS_PER_JOULE_NM
 
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
@@ -118,6 +118,7 @@ def with_less_air(suns: list[tuple[int, float]], height_m: float) -> Any:
             few = x * low["change"][0, s - first_low] + x**2 * low["change"][1, s - first_low]
             whole = low["elevation"] @ few @ to_azimuths
             whole[0] -= of_guess
+            whole = smooth_at_zenith(whole, table["elevation_deg"], table["sun_deg"][s])
             change = change + of_sun * whole
     return change
 
@@ -148,8 +149,7 @@ def sky_fields(
         for s, of_sun in suns:
             steps = np.cumsum(table["steps"][h, s], axis=-1, dtype=np.int32)
             one = steps * table["step"][:, None, None, None]
-            if table["sun_deg"][s] < NOISY_BELOW_DEG:
-                one = smooth_at_zenith(one, table["elevation_deg"])
+            one = smooth_at_zenith(one, table["elevation_deg"], table["sun_deg"][s])
             stokes = stokes + of_sun * share * one
             log_i = log_i + of_sun * of_haze * table["log_mean"][h, s]
     ozone: Any = 0.0

@@ -115,8 +115,8 @@ def clear_sky_map(
     one_of(haze_kind, KINDS, "haze_kind")
     if haze_kind != "rural" and sun_elevation_deg < LOWEST_SUN_OF_KINDS_DEG:
         raise Error(
-            f"haze_kind: expected rural with the sun below {LOWEST_SUN_OF_KINDS_DEG:g} degrees, "
-            f"found {haze_kind}"
+            "haze_kind: expected rural with the sun or the moon below "
+            f"{LOWEST_SUN_OF_KINDS_DEG:g} degrees, found {haze_kind}"
         )
     _check_aerosol(aerosol, haze_kind)
     _within(ozone_du, "ozone_du", *OZONE_RANGE_DU)
@@ -278,14 +278,13 @@ class TableSky:
         log_i, q, u = stokes
         i = np.exp(log_i)
         mass = np.array([np.interp(elevation_deg, table["mass_deg"], one) for one in table["mass"]])
-        is_up = self.sun_deg >= 0
-        sun = self._sun_masses() if is_up else np.zeros(3)
+        sun = self._sun_masses()
         of_ozone = at_nodes(table, "ozone_depth_per_du") * self.ozone_du
         ways = Ways(
             at_nodes(table, "rayleigh_depth"),
             mass[0],
             mass[2],
-            (sun[0], sun[2]) if is_up else None,
+            (sun[0], sun[2]),
             np.exp(-of_ozone * sun[1]),
         )
         angles = scattering_angles(self.sun_deg, elevation_deg, azimuth_deg)

@@ -15,7 +15,7 @@ import numpy as np
 
 from omma.base.arrays import Floats
 
-NOISY_BELOW_DEG = -2.5  # suns
+_NOISY_BELOW_DEG = -2.5  # suns
 _NODES = 4  # of elevation, up to 30.5 degrees from the zenith
 _HARMONICS = 7  # of the tables
 
@@ -38,8 +38,11 @@ def _regular(power: int, distance: Floats) -> Floats:
     return np.asarray(basis @ np.linalg.pinv(basis))
 
 
-def smooth_at_zenith(stokes: Any, elevation_deg: Floats) -> Any:
-    """log I, Q/I and U/I, [3, wavelength, elevation, azimuth], of the tables' grid."""
+def smooth_at_zenith(stokes: Any, elevation_deg: Floats, sun_deg: float) -> Any:
+    """log I, Q/I and U/I, or changes of them, [3, wavelength, elevation, azimuth], of the tables'
+    grid and one of their suns."""
+    if sun_deg > _NOISY_BELOW_DEG:
+        return stokes
     shares, functions = _harmonics(stokes.shape[-1])
     distance = 90 - elevation_deg[-_NODES:]
     smooth = np.array(stokes)
