@@ -37,6 +37,9 @@ def test_a_title_says_when_and_where():
     assert _title(light) == expected
     assert pickle.loads(pickle.dumps(light)) == light
     assert _title(omma.light.clear_sky(30, bands=few)) == "clear sky, sun elevation 30°"
+    high = omma.light.clear_sky(30, ozone_du=300, height_m=2000, haze_kind="urban", bands=few)
+    said = "clear sky, sun elevation 30°, ozone 300 DU, height 2000 m, urban haze"
+    assert _title(high) == said
 
 
 def test_what_cannot_be_drawn(tmp_path):

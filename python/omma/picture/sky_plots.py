@@ -258,18 +258,24 @@ def _spectra(panel: Any, light: Light) -> None:
         panel.legend(frameon=False, loc="upper left")
 
 
+# By the ends of names of arguments.
+_TITLE_UNITS = {"deg": "°", "du": " DU", "m": " m"}
+
+
 def _title(light: Light) -> str:
     if light.recipe is None:
         return f"{len(light.bands)} bands"
     name, arguments = light.recipe
     if "light" in arguments:
         return _title(arguments["light"])
-    words = [
-        f"{key.removesuffix('_deg').removesuffix('_du').replace('_', ' ')} {value:g}"
-        + ("°" if key.endswith("_deg") else " DU" if key.endswith("_du") else "")
-        for key, value in arguments.items()
-        if isinstance(value, (int, float))
-    ]
+    words = []
+    for key, value in arguments.items():
+        quantity, _, ending = key.rpartition("_")
+        if isinstance(value, (int, float)):
+            unit = _TITLE_UNITS.get(ending, "")
+            words.append(f"{(quantity if unit else key).replace('_', ' ')} {value:g}{unit}")
+        elif key == "haze_kind":
+            words.append(f"{value} haze")
     called = name.replace("_", " ")
     moment = arguments.get("date_time")
     if isinstance(moment, datetime):
