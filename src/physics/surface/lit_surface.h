@@ -214,9 +214,9 @@ OMMA_HD_CALLED void eval_lit_surfaces(const SceneView& scene, const Packet<L>& p
 template <typename L>
 OMMA_HD typename L::I boundary_of(const SceneView& scene, const LitSurface<L>& surface, int l) {
   using I = typename L::I;
-  const I material = load<I>(surface.material + l), none = material * 0 - 1;
-  if (scene.boundaries == nullptr) return none;
-  return material >= 0 ? load<I>(surface.boundary + l) : none;
+  const I material = load<I>(surface.material + l), no_table = material * 0 - 1;
+  if (scene.boundaries == nullptr) return no_table;
+  return material >= 0 ? load<I>(surface.boundary + l) : no_table;
 }
 
 // What is met by lanes from l on, for scatter.h.
