@@ -146,14 +146,14 @@ def test_no_difference_reflects_nothing():
 
 def test_thicknesses_are_averaged_over():
     stack = LayerStack([(90, 1.56), (120, 1.0)] * 6, substrate=1.56 + 0.06j, spread=0.05)
-    nodes, weights = np.polynomial.hermite_e.hermegauss(80)
+    at = np.linspace(-6, 6, 601)
+    weights = np.exp(-(at**2) / 2)
     expected = sum(
-        weight * LayerStack([((1 + 0.05 * node) * d, n) for d, n in stack.layers],
+        weight * LayerStack([((1 + 0.05 * z) * d, n) for d, n in stack.layers],
                             stack.substrate).mueller([380, 460, 520], [0, 40])
-        for node, weight in zip(nodes, weights / weights.sum())
-        if abs(node) < 12
+        for z, weight in zip(at, weights / weights.sum())
     )  # fmt: skip
-    # What is cut off is a ten thousandth of the Gaussian.
+    # What is cut off is less than a ten thousandth of the Gaussian.
     np.testing.assert_allclose(stack.mueller([380, 460, 520], [0, 40]), expected, atol=1e-4)
     alike = stack.mueller(np.arange(300, 700, 5.0), 0)[:, 0, 0]
     sharp = LayerStack(stack.layers, stack.substrate).mueller(np.arange(300, 700, 5.0), 0)[:, 0, 0]
@@ -162,7 +162,8 @@ def test_thicknesses_are_averaged_over():
 
 @pytest.mark.parametrize("name", ["aluminium", "chitin", "copper", "gold", "silver"])
 def test_tables_are_linear_between_their_nodes(name):
-    """As physics/surface/boundary_table.h says, half way between nodes where it is worst."""
+    """As physics/surface/boundary_table.h says, half way between nodes where it is worst: c, which
+    turns from 1 to -1, next to grazing."""
     table = LayerStack(substrate=refractive_index(name)).boundary()
     cosines = np.linspace(0, 1, table.mueller.shape[1])
     half = (cosines[1:] + cosines[:-1]) / 2
@@ -170,7 +171,8 @@ def test_tables_are_linear_between_their_nodes(name):
         table.wavelength_nm, np.degrees(np.arccos(half))
     )
     between = (table.mueller[:, 1:] + table.mueller[:, :-1]) / 2
-    assert np.abs(between - exact).max() < 1e-3
+    assert np.abs(between - exact)[..., :2].max() < 5e-4
+    assert np.abs(between - exact)[..., 2].max() < 2e-3
 
 
 def test_measured_indices_are_as_published():

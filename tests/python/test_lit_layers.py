@@ -42,8 +42,8 @@ def test_smooth_stacks_reflect_as_their_tables(stack, backend):
         for angle in (0, 40, 70):
             seen, error = look(world, *slanted(angle))
             expected = band_means(stack, angle)[:, 0]
-            assert np.all(error < 2e-4)
-            np.testing.assert_allclose(seen, expected, atol=MIRROR + OF_TABLE)
+            assert np.all(error < 4e-4)
+            assert np.all(np.abs(seen - expected) < MIRROR + OF_TABLE + 3 * error)
 
 
 @BACKENDS
@@ -54,8 +54,8 @@ def test_smooth_stacks_polarise_each_band_by_its_own(backend):
         for angle in (30, 60, 75):
             a, b, _ = band_means(stack, angle).T
             seen, error = look(world, *slanted(angle))
-            assert np.all(error < 3e-4)
-            np.testing.assert_allclose(seen, [a, -b, 0 * b], atol=MIRROR + OF_TABLE)
+            assert np.all(error < 4e-4)
+            assert np.all(np.abs(seen - [a, -b, 0 * b]) < MIRROR + OF_TABLE + 3 * error)
 
 
 @BACKENDS
@@ -63,29 +63,27 @@ def test_two_mirrors_pass_polarisation_on(backend):
     """A ray that two stacks mirror, in planes of incidence that are turned by some angle: Mueller
     matrices of the three elements, c among them, multiplied by hand. Each band by itself."""
     first = np.array([0.0, 0.0, -1.0])
-    normals, way, axes = [], first, []
-    for turn in (0.0, 0.6):
-        across = np.cross(way, [0.31, 0.9, 0.2] if turn else [0.0, 1.0, 0.0])
-        across /= np.linalg.norm(across)
-        normal = -way + np.tan(np.radians(55 if turn else 40)) * across
-        normal /= np.linalg.norm(normal)
-        onward = way - 2 * np.dot(way, normal) * normal
-        s = np.cross(way, onward)
-        axes.append((s / np.linalg.norm(s), way))
-        normals.append(normal)
-        way = onward
-    meet = 2.0 * (first - 2 * np.dot(first, normals[0]) * normals[0])
+    normals, ways, axes = [], [first], []
+    for angle, turn in ((40, 0.0), (65, 0.6)):
+        way = ways[-1]
+        s = np.array([1.0, 0.0, 0.0])  # across the way of both, before it is turned about that
+        s = np.cos(turn) * s + np.sin(turn) * np.cross(way, s)
+        normal = -way + np.tan(np.radians(angle)) * np.cross(way, s)
+        normals.append(normal / np.linalg.norm(normal))
+        ways.append(way - 2 * np.dot(way, normals[-1]) * normals[-1])
+        axes.append(s)
+    meet = 2.0 * ways[1]
     meshes = [square(0.4, (0, 0, 0), normals[0]), square(0.4, meet, normals[1])]
-    stacks = SCALE, LayerStack([(150, 1.4), (90, 2.0)], substrate=0.2 + 3j)
+    stacks = SCALE, LayerStack([(150, 1.4)], substrate=2.2 + 0.5j)
     meshes = [meshes[0], meshes[1].replace(material=1)]
     scene = omma.Scene(meshes=meshes, materials=[stack.material() for stack in stacks])
     world = omma.World(scene, light=SKY, polarized=True, backend=backend, lighting="path")
-    (s1, _), (s2, between) = axes
-    e2 = np.cross(between, s1)
+    s1, s2 = axes
+    e2 = np.cross(ways[1], s1)
     cosine, sine = np.dot(s1, s2), np.dot(e2, s2)
     cos2, sin2 = cosine**2 - sine**2, 2 * cosine * sine
     expected = []
-    for (a1, b1, c1), (a2, b2, _) in zip(band_means(stacks[0], 40), band_means(stacks[1], 55)):
+    for (a1, b1, c1), (a2, b2, _) in zip(band_means(stacks[0], 40), band_means(stacks[1], 65)):
         q, u = b2 * cos2, b2 * sin2
         expected.append([a1 * a2 + b1 * q, b1 * a2 + a1 * q, c1 * u])
     seen, error = look(world, -first, first, up=s1)
@@ -112,15 +110,15 @@ def test_a_table_of_schlicks_law_is_the_metal_of_its_colour():
     cosine = np.linspace(0, 1, 129)
     a = 0.5 + 0.5 * (1 - cosine) ** 5
     table = BoundaryTable([300, 700], np.tile(np.stack([a, 0 * a, -a], axis=1), (2, 1, 1)))
-    for roughness in (0.0, 0.3):
-        # Light that facets pass on counts by another mean: 0.52 for 0.5, of some thousandths.
+    # Light that facets pass on, up to 0.08 of all, counts by another mean: 0.524 for 0.5.
+    for roughness, tolerance in ((0.0, 5e-4), (0.3, 0.08 * 0.024)):
         plain = Material(base_color=(0.5, 0.5, 0.5), metallic=1, roughness=roughness)
         for angle in (0, 60, 80):
             by_color, _ = look(world_of(plain, lighting="path"), *slanted(angle))
             by_table, error = look(
                 world_of(plain.replace(boundary=table), lighting="path"), *slanted(angle)
             )
-            np.testing.assert_allclose(by_table, by_color, atol=1e-3)
+            assert np.all(np.abs(by_table - by_color) < tolerance + 3 * error)
             assert np.all(error < 1e-3)
 
 
@@ -168,7 +166,7 @@ def test_tables_are_values_and_go_to_files_and_back(tmp_path):
     assert pickle.loads(pickle.dumps(material)) == material
     assert material != material.replace(boundary=None)
     scene = omma.Scene(meshes=[square(1, (0, 0, 0), (0, 1, 0))], materials=[material])
-    omma.scene.save_scene(scene, tmp_path / "gold.glb")
+    omma.scene.save_scene(tmp_path / "gold.glb", scene)
     assert omma.load_scene(tmp_path / "gold.glb").materials == scene.materials
     joined = omma.scene.merge_scenes([scene, scene])
     assert all(one.boundary == table for one in joined.materials)

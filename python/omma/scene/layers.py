@@ -36,6 +36,8 @@ _MOST_SPREAD = 0.2
 # Thicknesses are averaged over so many standard deviations on both sides.
 _REACH = 4.0
 _POINTS_AT_ONCE = 1 << 16
+# Grazing light counts as this, as in layers of air beams without end would add up there.
+_LEAST_COSINE = 1e-6
 
 
 @value_class
@@ -165,15 +167,16 @@ class LayerStack:
         return out
 
     def _thicknesses(self, nm: Floats) -> tuple[Floats, Floats]:
-        """Factors of the thickness, and their weights: the trapezoidal rule, which is exact for a
-        Gaussian where its steps are short beside the phases' periods."""
+        """Factors of the thickness, and their weights: the trapezoidal rule, which for a Gaussian is
+        exact where its steps are short beside periods of the phase, here of beams that go to and
+        fro six times."""
         optical = sum(
             thickness * np.max(np.abs(_index_at(index, nm))) for thickness, index in self.layers
         )
         if self.spread == 0 or optical == 0:
             return np.ones(1), np.ones(1)
         phase = 4 * np.pi * optical / np.min(nm) * self.spread  # of a standard deviation
-        half = int(np.ceil(_REACH * (2 * phase + _REACH) / (2 * np.pi))) + 2
+        half = int(np.ceil(_REACH * (6 * phase + _REACH) / (2 * np.pi))) + 2
         at = np.linspace(-_REACH, _REACH, 2 * half + 1)
         weights = np.exp(-(at**2) / 2)
         return 1 + self.spread * at, weights / weights.sum()
@@ -239,6 +242,7 @@ def _index_at(index: Index, nm: Floats) -> Complex:
 
 def _elements(nm: Floats, cosine: Floats, depths_nm: list[float], indices: list[Complex]) -> Floats:
     """a, b and c, (W, C, 3), of layers of these depths and the substrate last."""
+    cosine = np.maximum(cosine, _LEAST_COSINE)
     sine2 = 1 - cosine**2
     # n cos of the angle inside: its imaginary part is at least 0, so that waves decay inwards.
     n = [np.ones((1, 1), np.complex128), *indices]

@@ -1,7 +1,7 @@
 // How surfaces reflect that have a table of it, by band and angle of incidence: stacks of thin
 // films and metals (omma::BoundaryTable), each a Mueller matrix by the half vector of a facet. The
 // tables are made by backend/scatter_data, and linear in the cosine between their nodes: of bare
-// metals within 1e-3 (tests/python/test_layers.py).
+// metals within 2e-3 (tests/python/test_layers.py).
 #pragma once
 
 #include "physics/surface/fresnel.h"
