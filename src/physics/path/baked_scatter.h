@@ -61,6 +61,9 @@ OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L
     const auto scatters = lanes.at(l);
     if (!any_lane(scatters)) continue;
     const F diffuse = scattering.point[l / L::width].diffuse;
+    Stokes<F> seen{};
+    if (scene.polarized)
+      seen = load_mueller(flight.state, l) * scattering.diffuse[l / L::width];
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * n + l;
       // Lanes that met nothing have anything for spectra, also what is not a number.
@@ -72,9 +75,10 @@ OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L
         store(flight.radiance + at, load<F>(flight.radiance + at) + sent);
         continue;
       }
+      const F of_eye[3] = {seen.i, seen.q, seen.u};
       for (int p = 0; p < 3; ++p) {
         float* const to = flight.radiance + p * stride + at;
-        store(to, load<F>(to) + keep(scatters, load<F>(flight.state.mueller[3 * p] + l) * sent));
+        store(to, load<F>(to) + keep(scatters, of_eye[p] * sent));
       }
     }
   }
