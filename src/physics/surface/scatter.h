@@ -24,7 +24,8 @@
 // 13 and 16), so that a white one returns all. That takes reciprocity: seen along o and w the two
 // differ by that factor.
 //
-// What differs by band (rho, tau, the colour of a metal) is the caller's; lobes are told without.
+// What differs by band (rho, tau, the colour of a metal, or how a stack of thin films in its place
+// reflects) is the caller's; lobes are told without.
 #pragma once
 
 #include "physics/lanes/vector3.h"
@@ -100,8 +101,9 @@ struct ScatterValue {
   F diffuse_reflection;    // where rho is 1
   F diffuse_transmission;  // where tau is 1
   Mueller<F> dielectric;   // in the axes s of reflection_axis
-  F metal;                 // times metal_color
+  F metal;                 // times metal_color, or a table of its own (boundary_table.h)
   F schlick;
+  F half_cosine;  // between the half vector of that boundary and the viewer
   Mueller<F> coat;
   F cosine;  // between w and the base's normal
   F boundary_pdf, coat_pdf;
@@ -264,6 +266,7 @@ OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const Vector3<F>&
       mueller_of(fresnel_dielectric(half.cosine, p.ior)) * (p.dielectric * of_mirrors);
   value.metal = p.metal * of_mirrors;
   value.schlick = schlick_weight(half.cosine);
+  value.half_cosine = half.cosine;
   return value;
 }
 
