@@ -51,6 +51,19 @@ struct ExtraReflectance {
   bool operator==(const ExtraReflectance&) const = default;
 };
 
+// How a surface reflects by wavelength and angle, as stacks of thin films and metals do: what the
+// field amplitudes r of both polarisations become on the way, across the plane of incidence (s) and
+// in it (p), as a = (|r_s|^2 + |r_p|^2) / 2, b = (|r_s|^2 - |r_p|^2) / 2 and c = Re(r_s r_p*), signs
+// as in Fresnel's equations of physics/surface/fresnel.h: at normal incidence c = -a.
+struct BoundaryTable {
+  std::vector<double> wavelength_nm;  // [knot], ascending
+  int cosines = 0;                    // of the angle of incidence, even from 0 to 1
+  std::vector<float> mueller;         // [knot][cosine][a, b, c]
+
+  bool empty() const { return wavelength_nm.empty(); }
+  bool operator==(const BoundaryTable&) const = default;
+};
+
 struct Material {
   std::string name;
   Vec4 base_color{1, 1, 1, 1};  // linear RGBA factor
@@ -92,6 +105,7 @@ struct Material {
   Spectrum transmittance;  // through the sheet; in place of diffuse_transmission and its colour
   float spectral_luminance = 1;
   ExtraReflectance extra;
+  BoundaryTable boundary;  // of its metal, in place of the base colour; or empty
   // W m^-2 sr^-1 nm^-1 where the emissive factor times texture has luminance 1; empty: emissive is
   // cd m^-2 of the primary spectra.
   Spectrum emission;

@@ -98,6 +98,7 @@ void bind_extra_reflectance(nb::module_& m) {
 
 void bind_material(nb::module_& m) {
   bind_extra_reflectance(m);
+  bind_boundary_table(m);
   nb::class_<Material> material(
       m, "Material",
       "What a surface looks like: base colour × texture × the mesh's vertex colours, and emission\n"
@@ -117,7 +118,9 @@ void bind_material(nb::module_& m) {
       "``reflectance`` and ``transmittance`` are spectra (`omma.light.Spectrum`, 0 to 1, together\n"
       "at most 1) in place of what RGB stands for, where the base colour has the relative\n"
       "luminance ``spectral_luminance``, and proportional to it elsewhere. ``extra_reflectance``\n"
-      "adds an image of spectra, ``emission`` is the spectrum of what shines.\n\n"
+      "adds an image of spectra, ``emission`` is the spectrum of what shines. ``boundary`` is how its\n"
+      "metal, the part ``metallic`` of it, reflects by wavelength and angle, in place of the base\n"
+      "colour (`LayerStack`); that polarises.\n\n"
       "Raises `omma.Error`, which names the argument.");
   material
       .def(
@@ -136,7 +139,7 @@ void bind_material(nb::module_& m) {
              nb::handle clearcoat_roughness_texture, nb::handle clearcoat_normal_texture,
              nb::handle clearcoat_normal_scale, nb::handle reflectance,
              nb::handle transmittance, nb::handle spectral_luminance, nb::handle extra_reflectance,
-             nb::handle emission) {
+             nb::handle emission, nb::handle boundary) {
             Material made;
             made.name = text_argument(name, "name");
             made.base_color = rgba_argument(base_color, "base_color");
@@ -186,6 +189,7 @@ void bind_material(nb::module_& m) {
             made.spectral_luminance = single(spectral_luminance, "spectral_luminance");
             made.extra = extra_argument(extra_reflectance, "extra_reflectance");
             made.emission = spectrum_argument(emission, "emission");
+            made.boundary = boundary_argument(boundary, "boundary");
             check_scattering(made, "");
             new (self) Material(std::move(made));
           },
@@ -211,6 +215,7 @@ void bind_material(nb::module_& m) {
           nb::arg("reflectance") = nb::none(),
           nb::arg("transmittance") = nb::none(), nb::arg("spectral_luminance") = 1.0,
           nb::arg("extra_reflectance") = nb::none(), nb::arg("emission") = nb::none(),
+          nb::arg("boundary") = nb::none(),
           nb::sig(
               "def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = "
               "(1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, "
@@ -232,7 +237,7 @@ void bind_material(nb::module_& m) {
               "float = 1.0, reflectance: Spectrum | None = None, "
               "transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, "
               "extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = "
-              "None) -> None"))
+              "None, boundary: BoundaryTable | None = None) -> None"))
       .def_ro("name", &Material::name)
       .def_prop_ro(
           "base_color", [](const Material& one) { return numbers(one.base_color); },
@@ -342,6 +347,12 @@ void bind_material(nb::module_& m) {
           "emission", [](const Material& one) { return spectrum_or_none(one.emission); },
           nb::for_getter(nb::sig("def emission(self, /) -> Spectrum | None")),
           "W m⁻² sr⁻¹ nm⁻¹ where the emissive factor times texture has luminance 1.")
+      .def_prop_ro(
+          "boundary",
+          [](const Material& one) {
+            return one.boundary.empty() ? nb::none() : nb::cast(one.boundary);
+          },
+          nb::for_getter(nb::sig("def boundary(self, /) -> BoundaryTable | None")))
       .def("__hash__",
            [](const Material& one) {
              return hash_of(one.name, std::size_t(one.base_color_texture.texture + 1));
@@ -389,7 +400,8 @@ void bind_material(nb::module_& m) {
                        "transmittance",
                        "spectral_luminance",
                        "extra_reflectance",
-                       "emission"});
+                       "emission",
+                       "boundary"});
 }
 
 }  // namespace omma::python

@@ -41,6 +41,10 @@ nb::object texture_use_or_none(const TextureUse& use);
 Spectrum spectrum_argument(nb::handle object, const char* name);
 nb::object spectrum_or_none(const Spectrum& spectrum);
 
+// A BoundaryTable or None, which is an empty one.
+BoundaryTable boundary_argument(nb::handle object, const char* name);
+
+void bind_boundary_table(nb::module_& m);
 void bind_rig(nb::module_& m);
 
 }  // namespace omma::python

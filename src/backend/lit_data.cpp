@@ -8,6 +8,7 @@
 
 #include "backend/albedo_tables.h"
 #include "model/new_version.h"
+#include "physics/surface/boundary_table.h"
 #include "physics/surface/scatter.h"
 
 namespace omma {
@@ -110,6 +111,11 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   view.albedo_table_count = static_cast<std::int32_t>(lit->albedos.size() / albedo_floats);
   view.coat_albedo = lit->coat_albedo.empty() ? nullptr : lit->coat_albedo.data();
   view.metal_albedo = lit->metal_albedo.empty() ? nullptr : lit->metal_albedo.data();
+  if (!lit->scatter->boundaries.empty()) {
+    view.boundaries = lit->scatter->boundaries.data();
+    const std::size_t floats = 2 * static_cast<std::size_t>(boundary_pairs) * light.bands.count();
+    view.boundary_count = static_cast<std::int32_t>(lit->scatter->boundaries.size() / floats);
+  }
   view.has_glass = std::any_of(materials.begin(), materials.end(),
                                [](const ScatterView& m) { return m.transmission > 0; });
   view.depth = lighting.depth;

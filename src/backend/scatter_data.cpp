@@ -10,6 +10,7 @@
 #include "light/bands.h"
 #include "model/spectrum_check.h"
 #include "omma/receptor.h"
+#include "physics/surface/boundary_table.h"
 
 namespace omma {
 namespace {
@@ -117,6 +118,57 @@ void add_extra(const Maker& make, const ExtraReflectance& extra, ScatterView& vi
   view.extra = make.keep(std::move(matrix));
 }
 
+// Means over the bands of a boundary's table: [band][element][cosine of the table].
+std::vector<std::vector<double>> band_boundary(const Bands& bands, const BoundaryTable& table) {
+  const auto cosines = static_cast<std::size_t>(table.cosines);
+  std::vector<std::vector<double>> means(bands.count(), std::vector<double>(3 * cosines));
+  Spectrum column{table.wavelength_nm, std::vector<double>(table.wavelength_nm.size())};
+  for (std::size_t c = 0; c < cosines; ++c)
+    for (std::size_t e = 0; e < 3; ++e) {
+      for (std::size_t k = 0; k < column.value.size(); ++k)
+        column.value[k] = static_cast<double>(table.mueller[3 * (cosines * k + c) + e]);
+      const std::vector<double> of_bands =
+          band_mean_of_cells(bands, [&](double nm, double width_nm) {
+            return mean_spectrum(column, nm, width_nm, Beyond::nearest_knot);
+          });
+      for (std::size_t b = 0; b < of_bands.size(); ++b) means[b][cosines * e + c] = of_bands[b];
+    }
+  return means;
+}
+
+// Adds a table of boundary_table.h, and returns its number.
+std::int32_t add_boundary(const Bands& bands, const BoundaryTable& table,
+                          std::vector<float>& boundaries) {
+  const std::size_t floats = 2 * static_cast<std::size_t>(boundary_pairs) * bands.count();
+  const auto number = static_cast<std::int32_t>(boundaries.size() / floats);
+  const int last = table.cosines - 1;
+  constexpr int intervals = boundary_nodes - 1;
+  for (const std::vector<double>& band : band_boundary(bands, table)) {
+    double mean = 0;  // of a, straight between nodes, times twice the cosine
+    for (int e = 0; e < 3; ++e) {
+      const double* of_table = band.data() + static_cast<std::ptrdiff_t>(e) * table.cosines;
+      const auto at_node = [&](int node) {
+        const double place = static_cast<double>(node) * last / intervals;
+        const int below = std::min(static_cast<int>(place), last - 1);
+        const double part = place - below;
+        return of_table[below] * (1 - part) + of_table[below + 1] * part;
+      };
+      for (int node = 0; node < boundary_nodes; ++node) {
+        const double here = at_node(node), next = node < intervals ? at_node(node + 1) : here;
+        boundaries.push_back(static_cast<float>(here));
+        boundaries.push_back(static_cast<float>(next - here));
+        if (e > 0 || node == intervals) continue;
+        const double low = static_cast<double>(node) / intervals,
+                     high = static_cast<double>(node + 1) / intervals;
+        mean += (here * (2 * low + high) + next * (low + 2 * high)) / (3 * intervals);
+      }
+    }
+    boundaries.push_back(static_cast<float>(mean));
+    boundaries.push_back(0);
+  }
+  return number;
+}
+
 // The specular lobes; an unlit material has none.
 void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   view.specular = 0;
@@ -129,6 +181,8 @@ void add_surface(const Maker& make, const Material& m, ScatterView& view) {
   view.ior = m.ior;
   view.specular = m.specular;
   view.transmission = m.transmission;
+  if (!m.boundary.empty())
+    view.boundary = add_boundary(make.bands, m.boundary, make.data.boundaries);
   view.clearcoat = m.clearcoat;
   view.clearcoat_roughness = m.clearcoat_roughness;
   view.coat_normal_scale = m.clearcoat_normal_scale;
@@ -212,7 +266,8 @@ void lay_out(const Maker& make, const Mesh& mesh, const Material& m, const Scatt
 }
 
 // Whether a table says all between two wavelengths.
-bool covers(const Spectrum& table, double from_nm, double to_nm) {
+template <typename Table>
+bool covers(const Table& table, double from_nm, double to_nm) {
   return !table.empty() && table.wavelength_nm.front() <= from_nm &&
          table.wavelength_nm.back() >= to_nm;
 }
@@ -256,7 +311,7 @@ std::vector<int> materials_without_ultraviolet(const Scene& scene, const Bands& 
       sampled_nm.push_back(bands.wavelength_nm[s]);
   }
   if (sampled_nm.empty()) return {};
-  const auto is_known = [&](const Spectrum& table) {
+  const auto is_known = [&](const auto& table) {
     return covers(table, sampled_nm.front(), sampled_nm.back());
   };
   std::set<int> in_use, found;
@@ -266,8 +321,14 @@ std::vector<int> materials_without_ultraviolet(const Scene& scene, const Bands& 
     const Material material =
         index < 0 ? Material{} : scene.materials[static_cast<std::size_t>(index)];
     const bool transmits = !material.transmittance.empty() || material.diffuse_transmission > 0;
-    if (!is_known(material.reflectance) || (transmits && !is_known(material.transmittance)))
-      found.insert(index);
+    const bool all_metal =
+        material.metallic == 1 && material.metallic_roughness_texture.texture < 0;
+    const bool base_known = is_known(material.reflectance) &&
+                            (!transmits || is_known(material.transmittance));
+    const bool known = material.boundary.empty()
+                           ? base_known
+                           : is_known(material.boundary) && (all_metal || base_known);
+    if (!known) found.insert(index);
   }
   return {found.begin(), found.end()};
 }

@@ -22,6 +22,7 @@ struct ScatterData {
   std::vector<ScatterView> materials;  // [material of the scene, then glTF's default]
   std::list<std::vector<float>> matrices;
   std::list<FactorTextures> factors;  // of meshes whose material has any
+  std::vector<float> boundaries;      // SceneView::boundaries
 };
 
 // Adds to `shading` what meshes read with light: textures of scattering, their coordinates,

@@ -19,6 +19,7 @@
 #include "physics/rays/head_motion.h"
 #include "physics/search/bvh.h"
 #include "physics/search/splats_view.h"
+#include "physics/surface/boundary_table.h"
 #include "physics/surface/specular_albedo.h"
 #include "physics/views/frame_view.h"
 #include "physics/views/gather_task.h"
@@ -239,6 +240,7 @@ void visit_arrays(SceneView& view, Visit& visit) {
   visit(view.specular_albedo, {view.albedo_table_count, albedo_floats});
   visit(view.coat_albedo, {albedo_floats});
   visit(view.metal_albedo, {albedo_floats});
+  visit(view.boundaries, {view.boundary_count, view.bands, boundary_pairs, 2});
   visit.views(view.baked, {1}, view.bands, now.placed);
   visit.views(view.sun_map, {1});
 }

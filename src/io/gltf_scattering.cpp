@@ -4,8 +4,11 @@
 #include "io/gltf_scattering.h"
 
 #include <algorithm>
+#include <cstring>
+#include <span>
 
 #include "io/gltf_spectra.h"
+#include "omma/error.h"
 
 namespace omma {
 namespace {
@@ -95,6 +98,20 @@ void read_transmission(const ScatteringReader& reader) {
     reader.warn("KHR_materials_volume is not supported: surfaces are thin");
 }
 
+// Its Mueller elements are in a buffer view; validate_scene looks at the rest.
+void read_boundary(const ScatteringReader& reader, const json& said) {
+  BoundaryTable& table = reader.result.boundary;
+  table.wavelength_nm = said["wavelength_nm"].get<std::vector<double>>();
+  table.cosines = said["cosines"].get<int>();
+  const std::string place = reader.place + ": extras.omma.boundary.mueller";
+  const std::span<const std::uint8_t> bytes =
+      buffer_view_bytes(reader.textures.gltf, said["mueller"].get<int>(), place);
+  if (bytes.size() % sizeof(float) != 0)
+    throw Error(place + ": expected floats, found " + std::to_string(bytes.size()) + " bytes");
+  table.mueller.resize(bytes.size() / sizeof(float));
+  if (!bytes.empty()) std::memcpy(table.mueller.data(), bytes.data(), bytes.size());
+}
+
 void read_spectra(const ScatteringReader& reader) {
   const json& said = omma_extras(reader.material);
   Material& m = reader.result;
@@ -102,6 +119,7 @@ void read_spectra(const ScatteringReader& reader) {
   m.transmittance = read_spectrum(said, "transmittance");
   m.emission = read_spectrum(said, "emission");
   m.spectral_luminance = said.value("spectral_luminance", 1.0f);
+  if (said.contains("boundary")) read_boundary(reader, said["boundary"]);
   if (!said.contains("extra_reflectance")) return;
   const json& extra = said["extra_reflectance"];
   m.extra.texture =

@@ -174,11 +174,16 @@ void add_scattering(GltfMember& root) {
               {"transmittance", object},
               {"spectral_luminance", number},
               {"emission", object},
-              {"extra_reflectance", object}});
+              {"extra_reflectance", object},
+              {"boundary", object}});
   for (const char* name : {".reflectance", ".transmittance", ".emission"})
     add(root, omma + name, spectrum);
   add(root, omma + ".extra_reflectance", {{"spectra", spectra, required}});
   add_texture_use(root, omma + ".extra_reflectance", "texture", required);
+  add(root, omma + ".boundary",
+      {{"wavelength_nm", numbers, required},
+       {"cosines", integer, required},
+       {"mueller", integer, required}});
 }
 
 void add_materials(GltfMember& root) {

@@ -89,6 +89,11 @@ json written_spectra(GltfWriter& writer, const Material& m) {
     made["extra_reflectance"] = {{"texture", texture_use(writer, m.extra.texture)},
                                  {"spectra", std::move(spectra)}};
   }
+  if (!m.boundary.empty())
+    made["boundary"] = {{"wavelength_nm", m.boundary.wavelength_nm},
+                        {"cosines", m.boundary.cosines},
+                        {"mueller", writer.view(m.boundary.mueller.data(),
+                                                m.boundary.mueller.size() * sizeof(float))}};
   return made;
 }
 

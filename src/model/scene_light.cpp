@@ -16,6 +16,8 @@ namespace {
 // Rounding of what adds up to 1.
 constexpr double slack = 1e-6;
 
+constexpr int most_boundary_cosines = 10000;
+
 std::string short_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -90,6 +92,24 @@ double largest_return(const Material& m) {
                      transmitted * largest_component(m.diffuse_transmission_color));
 }
 
+void check_boundary(const BoundaryTable& table, const std::string& place) {
+  if (table.empty() && table.cosines == 0 && table.mueller.empty()) return;
+  check_spectrum({table.wavelength_nm, std::vector<double>(table.wavelength_nm.size())}, place);
+  check_range(table.cosines, 2, most_boundary_cosines, place + "cosines");
+  const std::size_t count =
+      3 * table.wavelength_nm.size() * static_cast<std::size_t>(table.cosines);
+  if (table.empty() || table.mueller.size() != count)
+    throw Error(place + "mueller: expected " + std::to_string(count) + " numbers, found " +
+                std::to_string(table.mueller.size()));
+  for (std::size_t i = 0; i < count; i += 3) {
+    const auto element = [&](std::size_t k) { return static_cast<double>(table.mueller[i + k]); };
+    const double a = element(0), b = element(1), c = element(2);
+    if (a >= 0 && a <= 1 + slack && b * b + c * c <= a * a + slack) continue;
+    throw Error(place + "mueller: expected a from 0 to 1 and b^2 + c^2 of at most a^2, found " +
+                short_text(a) + ", " + short_text(b) + " and " + short_text(c));
+  }
+}
+
 }  // namespace
 
 void check_scattering(const Material& m, const std::string& place) {
@@ -118,6 +138,9 @@ void check_scattering(const Material& m, const std::string& place) {
     throw Error(place + "spectral_luminance: expected more than 0, found " +
                 short_text(m.spectral_luminance));
   check_spectrum(m.emission, place + "emission: ");
+  check_boundary(m.boundary, place + "boundary: ");
+  if (!m.boundary.empty() && m.metallic == 0)
+    throw Error(place + "boundary: expected a metallic above 0, as it is how the metal reflects");
   bool any = false;
   for (const Spectrum& spectrum : m.extra.spectrum) {
     check_spectrum(spectrum, place + "extra_reflectance: ", 1);

@@ -224,7 +224,8 @@ TEST(GltfScattering, BadSpectraAreNamed) {
     expect_load_error(with_material(extras(said)), std::move(parts));
   };
   expect({{"reflectence", 1}},
-         {"materials[0].extras.omma: expected emission, extra_reflectance", "reflectence"});
+         {"materials[0].extras.omma: expected boundary, emission, extra_reflectance",
+          "reflectence"});
   expect({{"reflectance", {{"wavelength_nm", {300, 400}}}}}, {"reflectance.value: is missing"});
   expect({{"reflectance", spectrum({300, 400}, {0.5})}},
          {"reflectance: value: expected one for each of 2 wavelengths, found 1"});
@@ -248,6 +249,12 @@ TEST(GltfScattering, BadSpectraAreNamed) {
   expect({{"extra_reflectance", {{"texture", texture}, {"spectra", json::array()}}}},
          {"expected a texture and spectra, found only a texture"});
   expect({{"extra_reflectance", {{"spectra", json::array()}}}}, {"texture: is missing"});
+  const json nm = {300, 700};
+  expect({{"boundary", {{"wavelength_nm", nm}, {"cosines", 2}}}}, {"mueller: is missing"});
+  expect({{"boundary", {{"wavelength_nm", nm}, {"cosines", 2}, {"mueller", 99}}}},
+         {"extras.omma.boundary.mueller"});
+  expect({{"boundary", {{"wavelength_nm", nm}, {"cosines", 2}, {"mueller", 0}}}},
+         {"boundary: mueller: expected 12 numbers, found"});
 }
 
 TEST(GltfScattering, SixteenBitsOfDataAreCodes) {

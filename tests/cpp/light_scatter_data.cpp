@@ -1,11 +1,13 @@
 // How surfaces scatter light in bands: RGB and spectra as matrices, textures, normals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "backend/scatter_data.h"
 #include "omma/omma.h"
 #include "physics/lanes/lanes.h"
+#include "physics/surface/boundary_table.h"
 #include "physics/surface/texture.h"
 
 namespace omma::test {
@@ -125,6 +127,37 @@ TEST(ScatterData, TablesAreMeansOverBands) {
   // Whatever the colour, its luminance counts.
   EXPECT_NEAR(made.reflectance(15, {1, 0, 0}), 0.5 * 0.2126 / 0.5, rounding);
   EXPECT_TRUE(made.view().transmits_base_color);
+}
+
+TEST(ScatterData, BoundariesAreMeansOverBandsAtCosines) {
+  Material material;
+  material.metallic = 1;
+  // a: a ramp of wavelengths from 300 to 700 nm, times the cosine; b half of it, c less it.
+  material.boundary = {{300, 700}, 3, {}};
+  for (const float most : {0.2f, 0.8f})
+    for (const float cosine : {0.0f, 0.5f, 1.0f})
+      for (const float element : {1.0f, 0.5f, -0.75f})
+        material.boundary.mueller.push_back(most * cosine * element);
+  const Made made{material};
+  ASSERT_EQ(made.view().boundary, 0);
+  EXPECT_EQ(made.scatter->materials[1].boundary, -1);  // glTF's default
+  ASSERT_EQ(made.scatter->boundaries.size(), std::size_t{16 * boundary_pairs * 2});
+  const float* tables = made.scatter->boundaries.data();
+  for (int b = 0; b < 16; ++b) {
+    const double in_band = 0.2 + 0.6 * (12.5 + 25 * b) / 400;
+    for (const float cosine : {0.0f, 0.003f, 0.4999f, 0.75f, 1.0f, 1.001f}) {
+      const auto at = find_boundary(16, std::int32_t{0}, cosine);
+      const Mueller<float> m = eval_boundary(tables, at, b);
+      const double expected = in_band * std::min(static_cast<double>(cosine), 1.0);
+      EXPECT_NEAR(m.a, expected, rounding) << b << ' ' << cosine;
+      EXPECT_NEAR(m.b, 0.5 * expected, rounding) << b << ' ' << cosine;
+      EXPECT_NEAR(m.c, -0.75 * expected, rounding) << b << ' ' << cosine;
+      // 2 integral c c dc.
+      EXPECT_NEAR(boundary_mean(tables, at, b), in_band * 2 / 3, 2 * rounding) << b;
+    }
+  }
+  // Of lanes without a table nothing is read that is not there.
+  EXPECT_EQ(find_boundary(16, std::int32_t{-1}, 0.5f).base, 0);
 }
 
 TEST(ScatterData, BeyondTables) {

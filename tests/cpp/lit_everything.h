@@ -57,6 +57,8 @@ inline Scene scene_with_everything(bool glass) {
       m.extra.texture = next();
       m.extra.spectrum[1] = spectrum;
     }
+    if (i == 0)
+      m.boundary = {{300, 700}, 2, {1, 0, -0.9f, 0.2f, 0, -0.2f, 1, 0, 1, 0.6f, 0.3f, -0.4f}};
     if (i == 2) {
       m.emissive = {1, 1, 1};
       m.emissive_texture = next();

@@ -193,6 +193,10 @@ def examples(files, tmp_path_factory):
         "scene.Camera": scene.cameras[1],
         "scene.CaptureCameras": capture,
         "scene.Device": omma.scene.Device("2 threads", ("embree", "portable")),
+        "scene.BoundaryTable": omma.scene.BoundaryTable(
+            [300, 700], np.tile([0.5, 0.1, -0.4], (2, 3, 1))
+        ),
+        "scene.LayerStack": omma.scene.LayerStack([(100.0, 1.5)], 1.5 + 0.1j, 0.02),
         "scene.ExtraReflectance": omma.scene.ExtraReflectance(
             0, [omma.light.Spectrum([300, 400], [0.1, 0.2])]
         ),

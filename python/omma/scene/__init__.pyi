@@ -3,8 +3,10 @@ from .capture_cameras import CaptureCameras, load_capture_cameras
 from .device_list import Device, devices
 from .files import Camera, load_scene, save_scene
 from .joining import merge_scenes, place_scene
+from .layers import LayerStack, refractive_index
 from .parts import (
     Animation,
+    BoundaryTable,
     ExtraReflectance,
     HitBox,
     Image,
@@ -38,6 +40,7 @@ __all__ = [
     "Animation",
     "Bake",
     "BakedInfo",
+    "BoundaryTable",
     "Camera",
     "CaptureCameras",
     "Device",
@@ -45,6 +48,7 @@ __all__ = [
     "HitBox",
     "Image",
     "Instance",
+    "LayerStack",
     "Material",
     "MaterialFact",
     "Mesh",
@@ -74,6 +78,7 @@ __all__ = [
     "natural_materials",
     "place_scene",
     "plane",
+    "refractive_index",
     "save_scene",
     "save_splats",
     "sphere",

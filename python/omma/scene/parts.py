@@ -1,6 +1,7 @@
 """What scenes are made of, under the names by which it is public."""
 
 from omma._core import Animation as Animation
+from omma._core import BoundaryTable as BoundaryTable
 from omma._core import ExtraReflectance as ExtraReflectance
 from omma._core import HitBox as HitBox
 from omma._core import Image as Image

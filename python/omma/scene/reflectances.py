@@ -113,7 +113,7 @@ def _measured(
         "metallic": 0.0, "metallic_roughness_texture": None, "unlit": False,
         "transmission": 0.0, "transmission_texture": None,
         "diffuse_transmission": 0.0, "diffuse_transmission_texture": None,
-        "extra_reflectance": None,
+        "extra_reflectance": None, "boundary": None,
     }  # fmt: skip
     if gloss:
         surface = material.specular * ((material.ior - 1) / (material.ior + 1)) ** 2

@@ -228,10 +228,13 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   if (scene.light != nullptr) {
     PathMemory& paths = memory.paths;
     // As WaitingPaths has scratch, which one lane has no need of.
+    const bool by_band = mirrors_by_band(scene);
     if (lanes > 1) {
-      paths.waiting = scratch.take<float>(3 * one);
-      paths.waiting_for_last = scratch.take<float>(3 * one);
+      const std::size_t rows = by_band ? 10 : 1;
+      paths.waiting = scratch.take<float>(3 * rows * one);
+      paths.waiting_for_last = scratch.take<float>(3 * rows * one);
     }
+    if (by_band) paths.mueller = scratch.take<float>(9 * one);
     for (SpectraMemory* spectra : {static_cast<SpectraMemory*>(&paths), &paths.shadow})
       for (float** values : {&spectra->throughput, &spectra->reflectance, &spectra->transmittance,
                              &spectra->emission, &spectra->tint})

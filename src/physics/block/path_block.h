@@ -33,8 +33,11 @@ template <typename L, typename Search>
 OMMA_HD void begin_block(std::uint32_t light_sees, PathBlock<L, Search>& block) {
   if constexpr (L::count > 1) {
     PathQueues<L>& queues = block.queues;
+    const int throughputs = block.scene.bands * WaitingPaths<L>::capacity;
     queues.waiting.throughput = block.memory.waiting;
+    queues.waiting.by_band = block.memory.waiting + throughputs;
     queues.waiting_for_last.throughput = block.memory.waiting_for_last;
+    queues.waiting_for_last.by_band = block.memory.waiting_for_last + throughputs;
     clear<L>(queues.onward.rays);
     queues.onward.light_sees = light_sees;
   }

@@ -72,9 +72,12 @@ OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L
         store(flight.radiance + at, load<F>(flight.radiance + at) + sent);
         continue;
       }
+      const Stokes<F> seen = load_mueller<L>(scene, flight.state, memory, b, l) *
+                             scattering.diffuse[l / L::width];
+      const F of_eye[3] = {seen.i, seen.q, seen.u};
       for (int p = 0; p < 3; ++p) {
         float* const to = flight.radiance + p * stride + at;
-        store(to, load<F>(to) + keep(scatters, load<F>(flight.state.mueller[3 * p] + l) * sent));
+        store(to, load<F>(to) + keep(scatters, of_eye[p] * sent));
       }
     }
   }
@@ -110,12 +113,13 @@ OMMA_HD_CALLED void add_cell_errors(const Flight<L, Search>& flight,
     float front[error_signs], back[error_signs];
     signed_errors(baked, near, front);
     signed_errors(baked, near ^ 1, back);
-    const float weight = diffuse[l] * (scene.polarized ? flight.state.mueller[0][l] : 1.0f);
     float* sums = flight.cell_errors +
                   std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
     for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
       const int at = b * n + l;
-      const float scale = weight * memory.throughput[at];
+      const float path =
+          scene.polarized ? mueller_in<L>(scene, flight.state, memory, 0, b)[l] : 1.0f;
+      const float scale = diffuse[l] * path * memory.throughput[at];
       const float in_front = scale * memory.reflectance[at] * memory.front[at],
                   behind = scale * memory.transmittance[at] * memory.back[at];
       for (int k = 0; k < error_signs; ++k) sums[k] += in_front * front[k] + behind * back[k];

@@ -31,6 +31,11 @@ OMMA_HD bool lets_through(const SceneView& scene) {
   return scene.has_blend || scene.has_glass || scene.splats != nullptr;
 }
 
+// Whether Mueller matrices of paths differ by band.
+OMMA_HD bool mirrors_by_band(const SceneView& scene) {
+  return scene.polarized && scene.boundaries != nullptr;
+}
+
 // Where a path remembers them.
 OMMA_HD const PassedSurfaces* passed_in(const SceneView& scene, const PathMemory& memory) {
   return lets_through(scene) ? &memory.passed : nullptr;

@@ -52,25 +52,32 @@ OMMA_HD_CALLED void add_light(const Flight<L, Search>& flight, const float* weig
   const SceneView& scene = flight.scene;
   const PathState<L>& state = flight.state;
   const int stride = flight.stride();
+  const bool by_band = flight.memory.mueller != nullptr && scene.polarized;
   for (int l = 0; l < L::count; l += L::width) {
     const F w = load<F>(weight + l);
     const auto is_on = w != 0.0f;
     if (!any_lane(is_on)) continue;
     Mueller3<F> path{};
-    bool keeps = false;
+    FrameTurn<F> turn{};
+    bool keeps = false, turns = false;
     if (scene.polarized) {
       path = load_mueller(state, l);
       for (int k = l; k < l + L::width; ++k) keeps = keeps || keeps_polarisation<L>(state, k);
-      if (axis != nullptr && keeps) {
+      turns = axis != nullptr && keeps;
+      if (turns) {
         const auto own = load_vector<F>(flight.packet.reference, l);
         const Vector3<F> across = cross(load_vector<F>(flight.packet.rays.direction, l), own);
-        path =
-            path * frame_turn(own, across,
-                              {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
+        turn = frame_turn(own, across,
+                          {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
+        path = path * turn;
       }
     }
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
+      if (by_band) {
+        path = load_mueller(scene, state, flight.memory, b, l);
+        if (turns) path = path * turn;
+      }
       const F scale = load<F>(flight.memory.throughput + at) * w;
       Stokes<F> s{load<F>(light + at), F{}, F{}};
       const auto add = [&](int component, F x) {

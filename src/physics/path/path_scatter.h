@@ -5,6 +5,7 @@
 
 #include "physics/lanes/vector3.h"
 #include "physics/path/path_light.h"
+#include "physics/surface/boundary_table.h"
 
 namespace omma {
 
@@ -16,22 +17,37 @@ struct Scattered {
   alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
   alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
   alignas(n * 4) float metal[n], metal_gain[n];
-  alignas(n * 4) float schlick[n];
+  alignas(n * 4) float schlick[n], half_cosine[n];
   alignas(n * 4) float coat[3][n];
+  alignas(n * 4) float diffuse_q[n], diffuse_u[n];  // Q, U over I of the diffuse lobes' light
+  alignas(n * 4) std::int32_t boundary[n];  // how the metal reflects, boundary_of
 };
 
 // The same of the lanes that go at once from l on, without what polarises.
 template <typename F>
 struct LobeValues {
   F reflected, transmitted, dielectric, metal, metal_gain, schlick, coat;
+  const float* boundaries;  // SceneView::boundaries
+  BoundaryPlace<F> boundary;
 };
 
 template <typename L>
-OMMA_HD LobeValues<typename L::F> load_lobes(const Scattered<L>& by, int l) {
+OMMA_HD LobeValues<typename L::F> load_lobes(const SceneView& scene, const Scattered<L>& by,
+                                             int l) {
   using F = typename L::F;
-  return {load<F>(by.reflected + l), load<F>(by.transmitted + l), load<F>(by.dielectric[0] + l),
-          load<F>(by.metal + l),     load<F>(by.metal_gain + l),  load<F>(by.schlick + l),
-          load<F>(by.coat[0] + l)};
+  using I = typename L::I;
+  return {load<F>(by.reflected + l),
+          load<F>(by.transmitted + l),
+          load<F>(by.dielectric[0] + l),
+          load<F>(by.metal + l),
+          load<F>(by.metal_gain + l),
+          load<F>(by.schlick + l),
+          load<F>(by.coat[0] + l),
+          scene.boundaries,
+          scene.boundaries == nullptr
+              ? no_boundary<F>()
+              : find_boundary(scene.bands, load<I>(by.boundary + l),
+                              load<F>(by.half_cosine + l))};
 }
 
 // What the surfaces are in a band, of those lanes.
@@ -56,16 +72,26 @@ template <typename F>
 OMMA_HD F dielectric_tint(const LobeValues<F>& by, const BandColor<F>& color) {
   return color.tint + (1.0f - color.tint) * by.schlick;
 }
+// Light that facets pass to each other is as that of one reflection: of a table by its mean.
 template <typename F>
-OMMA_HD F metal_lobe(const LobeValues<F>& by, const BandColor<F>& color) {
-  return by.metal * metal_color(color.reflectance, by.schlick, by.metal_gain);
+OMMA_HD Mueller<F> metal_lobe(const LobeValues<F>& by, const BandColor<F>& color, int band) {
+  const F colored = by.metal * metal_color(color.reflectance, by.schlick, by.metal_gain);
+  const Mueller<F> metal{colored, F{}, 0.0f - colored};
+  if (by.boundaries == nullptr) return metal;
+  const auto has_table = by.boundary.table >= 0;
+  if (!any_lane(has_table)) return metal;
+  const F mean = boundary_mean(by.boundaries, by.boundary, band);
+  const Mueller<F> table =
+      eval_boundary(by.boundaries, by.boundary, band) * (by.metal * (1.0f + mean * by.metal_gain));
+  return {has_table ? table.a : metal.a, has_table ? table.b : metal.b,
+          has_table ? table.c : metal.c};
 }
 
 // Of all lobes, Σ_j f_j.
 template <typename F>
-OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color) {
+OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color, int band) {
   return diffuse_lobes(by, color) + by.dielectric * dielectric_tint(by, color) + by.coat +
-         metal_lobe(by, color);
+         metal_lobe(by, color, band).a;
 }
 
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
@@ -80,7 +106,7 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
   const PathMemory& memory = flight.memory;
   const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
-    const LobeValues<F> lobes = load_lobes(by, l);
+    const LobeValues<F> lobes = load_lobes(scene, by, l);
     Mueller<F> dielectric{lobes.dielectric, F{}, F{}}, coat{lobes.coat, F{}, F{}};
     FrameTurn<F> before{}, after{};
     if (scene.polarized) {
@@ -100,18 +126,21 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
       const BandColor<F> color = load_color<L>(memory, at);
       const F i = load<F>(light + at);
       if (!scene.polarized) {
-        store(light + at, all_lobes(lobes, color) * i);
+        store(light + at, all_lobes(lobes, color, b) * i);
         continue;
       }
-      const F tint = dielectric_tint(lobes, color), metal = metal_lobe(lobes, color);
+      const F tint = dielectric_tint(lobes, color);
+      const Mueller<F> metal = metal_lobe(lobes, color, b);
       const Stokes<F> s =
           before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
-      const Mueller<F> mirrored{dielectric.a * tint + coat.a + metal, dielectric.b * tint + coat.b,
-                                dielectric.c * tint + coat.c - metal};
+      const Mueller<F> mirrored{dielectric.a * tint + coat.a + metal.a,
+                                dielectric.b * tint + coat.b + metal.b,
+                                dielectric.c * tint + coat.c + metal.c};
       const Stokes<F> out = after * (mirrored * s);
-      store(light + at, out.i + diffuse_lobes(lobes, color) * i);
-      store(light + stride + at, out.q);
-      store(light + 2 * stride + at, out.u);
+      const F diffuse = diffuse_lobes(lobes, color) * i;
+      store(light + at, out.i + diffuse);
+      store(light + stride + at, out.q + diffuse * load<F>(by.diffuse_q + l));
+      store(light + 2 * stride + at, out.u + diffuse * load<F>(by.diffuse_u + l));
     }
   }
 }
@@ -137,7 +166,9 @@ struct ScatteringPacket {
   using F = typename L::F;
   static constexpr int vectors = L::count / L::width;
   ScatterPoint<F> point[vectors];
+  Stokes<F> diffuse[vectors];     // of the diffuse lobes' light, I 1, by the rays' own axes
   F weight[vectors][lobe_count];  // probability of each lobe for the way on
+  alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
   LaneMask<L> samples_all;        // whose light is sampled of SceneView::all_lights
 };
 
@@ -152,6 +183,16 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     const int v = l / L::width;
     ScatterPoint<F>& point = scattering.point[v];
     point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
+    scattering.diffuse[v] = {broadcast<F>(1.0f), F{}, F{}};
+    if (scene.polarized) {
+      const auto own = load_vector<F>(flight.packet.reference, l);
+      const Vector3<F> s = reflection_axis(point.direction, point.normal, own);
+      scattering.diffuse[v] =
+          frame_turn(own, cross(point.direction, own), s) *
+          Stokes<F>{broadcast<F>(1.0f), diffuse_polarization(point), F{}};
+    }
+    const auto table = boundary_of(scene, surface, l);
+    store(scattering.boundary + l, table);
     // By what all bands get of each lobe.
     LobeColors<F> colors{};
     for (int b = 0; b < scene.bands; ++b) {
@@ -163,6 +204,13 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     colors.reflectance = colors.reflectance * each;
     colors.transmittance = colors.transmittance * each;
     colors.metal = colors.straight = colors.reflectance;
+    const auto has_table = table >= 0;
+    if (any_lane(has_table)) {
+      const BoundaryPlace<F> at = find_boundary(scene.bands, table, F{});
+      F mean{};
+      for (int b = 0; b < scene.bands; ++b) mean = mean + boundary_mean(scene.boundaries, at, b);
+      colors.metal = has_table ? mean * each : colors.metal;
+    }
     // What diffuse lobes send is in the baked light where that is read.
     const auto reads = reads_baked.at(l);
     colors.reflectance = reads ? F{} : colors.reflectance;
@@ -203,9 +251,13 @@ OMMA_HD_CALLED void scatter_light_samples(const ScatteringPacket<L>& scattering,
     store(direct.dielectric[0] + l, seen.dielectric.a * by_dielectric);
     store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
     store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
+    store(direct.diffuse_q + l, scattering.diffuse[v].q);
+    store(direct.diffuse_u + l, scattering.diffuse[v].u);
     store(direct.metal + l, seen.metal * by_metal);
     store(direct.metal_gain + l, scattering.point[v].metal_gain);
     store(direct.schlick + l, seen.schlick);
+    store(direct.half_cosine + l, seen.half_cosine);
+    store(direct.boundary + l, load<typename L::I>(scattering.boundary + l));
     store(direct.coat[0] + l, seen.coat.a * by_coat);
     store(direct.coat[1] + l, seen.coat.b * by_coat);
     store(direct.coat[2] + l, seen.coat.c * by_coat);
@@ -243,9 +295,13 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
     store(sample.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
     store(sample.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
     store(sample.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
+    store(sample.by.diffuse_q + l, scattering.diffuse[v].q);
+    store(sample.by.diffuse_u + l, scattering.diffuse[v].u);
     store(sample.by.metal + l, of_lobe(Lobe::metal, found.metal));
     store(sample.by.metal_gain + l, point.metal_gain);
     store(sample.by.schlick + l, found.schlick);
+    store(sample.by.half_cosine + l, found.half_cosine);
+    store(sample.by.boundary + l, load<typename L::I>(scattering.boundary + l));
     store(sample.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
     store(sample.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
     store(sample.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
@@ -255,6 +311,32 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
     const auto goes_on = lanes.at(l) && chosen.probability > 0.0f;
     store(sample.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
   }
+}
+
+// How a mirror reflects in a band, over what it reflects, where that is by a table; else `mirror`.
+template <typename F, typename Mask>
+OMMA_HD Mueller<F> band_mirror(const LobeValues<F>& lobes, Mask is_metal, const Mueller<F>& mirror,
+                               int band) {
+  const auto by_table = is_metal && lobes.boundary.table >= 0;
+  const Mueller<F> table = eval_boundary(lobes.boundaries, lobes.boundary, band);
+  const F scale = 1.0f / (table.a > 0.0f ? table.a : broadcast<F>(1.0f));
+  return {mirror.a, by_table ? table.b * scale : mirror.b, by_table ? table.c * scale : mirror.c};
+}
+
+// Lengthens the paths of the lanes from l on whose matrices differ by band:
+// lengthen(path, band, keep_at), which calls keep_at(k, x) for the elements k of the longer path.
+template <typename L, typename Lengthen>
+OMMA_HD void lengthen_by_band(const SceneView& scene, PathState<L>& state,
+                              const PathMemory& memory, int l, const Lengthen& lengthen) {
+  using F = typename L::F;
+  F largest[9] = {};
+  for (int b = 0; b < scene.bands; ++b)
+    lengthen(load_mueller(scene, state, memory, b, l), b, [&](int k, F x) {
+      store(memory.mueller + (k * scene.bands + b) * L::count + l, x);
+      const F size = x < 0.0f ? 0.0f - x : x;
+      largest[k] = size > largest[k] ? size : largest[k];
+    });
+  for (int k = 0; k < 9; ++k) store(state.mueller[k] + l, largest[k]);
 }
 
 // Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the
@@ -270,13 +352,13 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
   using I = typename L::I;
   for (int l = 0; l < L::count; l += L::width) {
     const Scattered<L>& by = sample.by;
-    const LobeValues<F> lobes = load_lobes(by, l);
+    const LobeValues<F> lobes = load_lobes(scene, by, l);
     const I lobe = load<I>(sample.lobe + l);
     const auto is_by = lobe == let_by;
     F largest{};
     for (int b = 0; b < scene.bands; ++b) {
       const int at = b * L::count + l;
-      const F part = all_lobes(lobes, load_color<L>(memory, at));
+      const F part = all_lobes(lobes, load_color<L>(memory, at), b);
       const F before = load<F>(memory.throughput + at);
       const F after = is_by ? before : before * part;
       store(memory.throughput + at, after);
@@ -299,16 +381,28 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
     const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;
     const F one = broadcast<F>(1.0f);
     const Mueller<F> mirror{one, is_metal ? F{} : b, is_metal ? 0.0f - one : c};
-    const Mueller3<F> before = load_mueller(state, l);
-    const Mueller3<F> mirrored = before * frame_turn(own, across, s) * mirror;
-    const Mueller3<F> diffuse = depolarized(before);
+    const Stokes<F> leaving{one, load<F>(by.diffuse_q + l), load<F>(by.diffuse_u + l)};
+    const FrameTurn<F> turn = frame_turn(own, across, s);
     const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric);
     const auto is_straight = is(Lobe::straight) || is_by;
-    for (int k = 0; k < 9; ++k) {
-      const int r = k / 3, q = k % 3;
-      const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];
-      store(state.mueller[k] + l, is_straight ? before.m[r][q] : scattered);
-    }
+    const auto lengthen = [&](const Mueller3<F>& before, const Mueller<F>& by_mirror,
+                              const auto& keep_at) {
+      const Mueller3<F> mirrored = before * turn * by_mirror;
+      const Mueller3<F> diffuse = depolarized(before, leaving);
+      for (int k = 0; k < 9; ++k) {
+        const int r = k / 3, q = k % 3;
+        const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];
+        keep_at(k, is_straight ? before.m[r][q] : scattered);
+      }
+    };
+    if (memory.mueller == nullptr)
+      lengthen(load_mueller(state, l), mirror,
+               [&](int k, F x) { store(state.mueller[k] + l, x); });
+    else
+      lengthen_by_band(scene, state, memory, l,
+                       [&](const Mueller3<F>& path, int band, const auto& keep_at) {
+                         lengthen(path, band_mirror(lobes, is_metal, mirror, band), keep_at);
+                       });
     // Any axis across the new ray will do for what was depolarised.
     const Vector3<F> next = select(is_mirrored, s, make_axes(w).tangent);
     store_vector(packet.reference, l, select(is_straight, own, next));

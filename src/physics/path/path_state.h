@@ -1,6 +1,7 @@
 // Where the paths of a packet stand, and what light from their end still counts: a throughput for
 // each band times, where light is polarised, one Mueller matrix for all bands, as lobes that
-// polarise do so alike in all bands, and all others leave of a Stokes vector its I alone.
+// polarise do so alike in all bands, and all others leave of a Stokes vector its I alone. Where
+// surfaces reflect by tables (boundary_table.h) each band has a matrix of its own.
 #pragma once
 
 #include "physics/lanes/lane_mask.h"
@@ -30,7 +31,9 @@ struct PathState {
   // Probability per solid angle with which the ray's direction was chosen, that of its lobe
   // included; infinite for rays from the eye.
   alignas(n * 4) float density[n];
-  alignas(n * 4) float mueller[9][n];  // row by row, where light is polarised
+  // Row by row, where light is polarised; with a matrix for each band, PathMemory::mueller, the
+  // largest size of each element.
+  alignas(n * 4) float mueller[9][n];
   alignas(n * 4) std::int32_t scatterings[n];
   alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
   // Whether the last surface sampled SceneView::all_lights, 0 or 1; read where there are such.
@@ -54,6 +57,10 @@ OMMA_HD void reset_paths(const SceneView& scene, PathState<L>& state, const Path
   if (!scene.polarized) return;
   for (int k = 0; k < 9; ++k)
     for (int l = 0; l < n; ++l) state.mueller[k][l] = k % 4 == 0 ? 1.0f : 0.0f;
+  if (memory.mueller == nullptr) return;
+  for (int k = 0; k < 9; ++k)
+    for (int i = 0; i < scene.bands * n; ++i)
+      memory.mueller[k * scene.bands * n + i] = k % 4 == 0 ? 1.0f : 0.0f;
 }
 
 // The pair of numbers for a choice on the present flight, of lanes from l on.
@@ -70,6 +77,22 @@ template <typename L>
 OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
   Mueller3<typename L::F> m;
   for (int k = 0; k < 9; ++k) m.m[k / 3][k % 3] = load<typename L::F>(state.mueller[k] + l);
+  return m;
+}
+
+// Element k of the matrices of paths in a band, [lane].
+template <typename L>
+OMMA_HD const float* mueller_in(const SceneView& scene, const PathState<L>& state,
+                                const PathMemory& memory, int k, int band) {
+  return memory.mueller == nullptr ? state.mueller[k]
+                                   : memory.mueller + (k * scene.bands + band) * L::count;
+}
+template <typename L>
+OMMA_HD Mueller3<typename L::F> load_mueller(const SceneView& scene, const PathState<L>& state,
+                                             const PathMemory& memory, int band, int l) {
+  Mueller3<typename L::F> m;
+  for (int k = 0; k < 9; ++k)
+    m.m[k / 3][k % 3] = load<typename L::F>(mueller_in(scene, state, memory, k, band) + l);
   return m;
 }
 

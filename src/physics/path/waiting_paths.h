@@ -19,6 +19,7 @@ struct WaitingPaths {
       scatterings[capacity], flight[capacity], sampled_all[capacity];
   alignas(aligned) std::int32_t ray[capacity];  // where its radiance goes
   float* throughput = nullptr;             // [band][capacity]
+  float* by_band = nullptr;  // [9][band][capacity], where there is PathMemory::mueller
 };
 
 // Calls `move(waiting, of_packet)` for each number of a path but its throughput.
@@ -57,6 +58,10 @@ OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
     for (int b = 0; b < scene.bands; ++b)
       store_some(waiting.throughput + b * waiting.capacity + count,
                  load<F>(flight.memory.throughput + b * L::count + l), here);
+    if (flight.memory.mueller != nullptr)
+      for (int i = 0; i < 9 * scene.bands; ++i)
+        store_some(waiting.by_band + i * waiting.capacity + count,
+                   load<F>(flight.memory.mueller + i * L::count + l), here);
     count += bits_in(here);
   }
   waiting.count = count;
@@ -78,6 +83,10 @@ OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& wa
     for (int b = 0; b < scene.bands; ++b)
       store(flight.memory.throughput + b * n + l,
             load<F>(waiting.throughput + b * waiting.capacity + from + l));
+    if (flight.memory.mueller != nullptr)
+      for (int i = 0; i < 9 * scene.bands; ++i)
+        store(flight.memory.mueller + i * n + l,
+              load<F>(waiting.by_band + i * waiting.capacity + from + l));
   }
   for (int l = 0; l < n; ++l) {
     packet.rays.t_near_m[l] = packet.footprint_rad[l] = 0;

@@ -31,6 +31,7 @@ struct LitSurface {
   alignas(L::count * 4) float coat_roughness[L::count];
   alignas(L::count * 4) float alpha[L::count];            // fraction of what lies behind it covers
   alignas(L::count * 4) std::int32_t table[L::count];     // of its ior, ScatterView::albedo_table
+  alignas(L::count * 4) std::int32_t boundary[L::count];  // ScatterView's; anything where none is
   alignas(L::count * 4) std::int32_t material[L::count];  // -1 where nothing was met
 };
 
@@ -203,8 +204,19 @@ OMMA_HD_CALLED void eval_lit_surfaces(const SceneView& scene, const Packet<L>& p
     set(surface.coat, own.coat);
     set(surface.coat_roughness, own.coat_roughness);
     set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
+    if (scene.boundaries != nullptr)
+      set(surface.boundary, load<I>(hits.mesh + l) * 0 + scatter.boundary);
     set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
   });
+}
+
+// Tables of the boundaries that are met by lanes from l on, -1 where there is none.
+template <typename L>
+OMMA_HD typename L::I boundary_of(const SceneView& scene, const LitSurface<L>& surface, int l) {
+  using I = typename L::I;
+  const I material = load<I>(surface.material + l), no_table = material * 0 - 1;
+  if (scene.boundaries == nullptr) return no_table;
+  return material >= 0 ? load<I>(surface.boundary + l) : no_table;
 }
 
 // What is met by lanes from l on, for scatter.h.

@@ -13,8 +13,10 @@
 // the coupling of Kelemen and Szirmay-Kalos 2001 (A Microfacet Based Coupled Specular-Matte BRDF
 // Model): of uniform light the base returns rho (1 - E(o)). So whatever E is, all together is
 // E(o) + (rho + tau) (1 - E(o)). A coat dims what is below it by 1 - E of its own on both ways, and
-// keeps the rest; its normal may be another than theirs. Light from the base counts as unpolarised, though on its way out through a smooth
-// boundary of ior 1.5 it is polarised by 0.04 at 45 deg.
+// keeps the rest; its normal may be another than theirs.
+//
+// Light that leaves the base is unpolarised below the boundary, which lets more of it out in the
+// plane of exit than across it: diffuse_polarization. What gets in is counted as if unpolarised.
 //
 // Light that facets pass to each other before it leaves: of a dielectric it counts to the base. A
 // metal's lobe is made larger by what a white one lacks, its albedo being E: by 1 + f0 (1 - E(o)) /
@@ -22,7 +24,8 @@
 // 13 and 16), so that a white one returns all. That takes reciprocity: seen along o and w the two
 // differ by that factor.
 //
-// What differs by band (rho, tau, the colour of a metal) is the caller's; lobes are told without.
+// What differs by band (rho, tau, the colour of a metal, or how a stack of thin films in its place
+// reflects) is the caller's; lobes are told without.
 #pragma once
 
 #include "physics/lanes/vector3.h"
@@ -98,8 +101,9 @@ struct ScatterValue {
   F diffuse_reflection;    // where rho is 1
   F diffuse_transmission;  // where tau is 1
   Mueller<F> dielectric;   // in the axes s of reflection_axis
-  F metal;                 // times metal_color
+  F metal;                 // times metal_color, or a table of its own (boundary_table.h)
   F schlick;
+  F half_cosine;  // between the half vector of that boundary and the viewer
   Mueller<F> coat;
   F cosine;  // between w and the base's normal
   F boundary_pdf, coat_pdf;
@@ -195,6 +199,20 @@ OMMA_HD F size_of_cosine(F x) {
   return size < 1.0f ? size : broadcast<F>(1.0f);
 }
 
+// Q / I of diffuse light that leaves through the boundary, with the axis s across the plane of view
+// and normal: -Q(o) / (1 - E(o)). It takes off what the boundary polarises of uniform light, so that
+// a white surface leaves such light unpolarised, as thermodynamics asks. Of a smooth boundary it is
+// (T_s - T_p) / (T_s + T_p) of what gets out (Wolff and Boult 1991, Constraining object features
+// using a polarization reflectance model).
+template <typename F>
+OMMA_HD F diffuse_polarization(const ScatterPoint<F>& p) {
+  const AlbedoRow<F>& row = p.boundary.row;
+  const F kept = 1.0f - p.specular * eval_albedo(p.albedo_tables, row, p.o.z);
+  const F polarized =
+      p.specular * eval_albedo(p.albedo_tables, row, p.o.z, first_polarized_albedo);
+  return 0.0f - polarized / (kept > 1e-3f ? kept : broadcast<F>(1e-3f));
+}
+
 // What the boundary and the coat let in to the base of light from a direction w, at cos_w to the
 // base's normal, over what they let in of uniform light.
 template <typename F>
@@ -248,6 +266,7 @@ OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const Vector3<F>&
       mueller_of(fresnel_dielectric(half.cosine, p.ior)) * (p.dielectric * of_mirrors);
   value.metal = p.metal * of_mirrors;
   value.schlick = schlick_weight(half.cosine);
+  value.half_cosine = half.cosine;
   return value;
 }
 

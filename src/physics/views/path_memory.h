@@ -37,11 +37,14 @@ inline constexpr int error_signs = 16;
 // Of a packet's paths; null where worlds are not lit.
 struct PathMemory : SpectraMemory {
   float* light = nullptr;  // [component][band][lane], arriving
+  // [9][band][lane], where Mueller matrices of paths differ by band (mirrors_by_band); else null.
+  float* mueller = nullptr;
   // [band][lane], what white surfaces would send back of baked light, before and behind the one
   // that was met.
   float *front = nullptr, *back = nullptr;
   SpectraMemory shadow;  // of rays to lights
-  // [band][slot], of paths that wait to go on, and of those that wait for their last flight.
+  // [band][slot], of paths that wait to go on, and of those that wait for their last flight; behind
+  // it their [9][band][slot] where there is `mueller`.
   float *waiting = nullptr, *waiting_for_last = nullptr;
   float* found = nullptr;  // [component][band][lane], by paths that have waited
   // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked

@@ -61,6 +61,7 @@ struct ScatterView {
   const float* specular_tint = nullptr;    // [band], at normal incidence; null: 1
   const float* tint_from_rgb = nullptr;    // in its place, of a texture's R, G, B: [band][3]
   std::int32_t albedo_table = 0;  // of its ior, among SceneView::specular_albedo
+  std::int32_t boundary = -1;     // of its metal, among SceneView::boundaries; -1: its colour
 };
 
 // A texture as one mesh reads it.
@@ -173,6 +174,7 @@ struct SceneView {
   const float* specular_albedo = nullptr;  // tables of specular_albedo.h, one for each ior
   const float* coat_albedo = nullptr;      // that of clear coats, or null where there are none
   const float* metal_albedo = nullptr;     // that of white metals, or null where there are none
+  const float* boundaries = nullptr;       // tables of boundary_table.h, or null: there are none
   bool has_glass = false;  // whether light goes straight through any material
   bool shines = false;     // whether any material does by itself
   int depth = 0;           // most scatterings on a path; 0: as many as it takes
@@ -187,6 +189,7 @@ struct SceneView {
 
   std::int32_t mesh_count = 0, material_count = 0, texture_count = 0, instance_count = 0;
   std::int32_t albedo_table_count = 0;  // of specular_albedo
+  std::int32_t boundary_count = 0;
   std::int64_t opacity_word_count = 0;
 
   // Of all arrays here and in views within, but those that have versions of their own.

@@ -1,0 +1,273 @@
+"""Stacks of thin layers: what they and bare metals reflect, by wavelength, angle and polarisation.
+
+Amplitudes follow Rouard's recursion over the layers from inside to outside (Born and Wolf 1999,
+Principles of Optics, 1.6; Heavens 1955), which in absorbing layers only ever multiplies by numbers
+below 1. The indices are n + ik, k at least 0; fields go as exp(-i omega t). Signs of the amplitudes
+are those of physics/surface/fresnel.h.
+"""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import BoundaryTable, Error, Material
+from omma.base.arguments import array_of, checked, one_of, within
+from omma.base.arrays import Floats
+from omma.base.tables import packaged_rows
+from omma.base.values import value_class
+from omma.scene.spectrum_colours import linear_srgb
+
+Complex = NDArray[np.complex128]
+# A number for all wavelengths, or rows of wavelength (nm), n and, unless it is 0, k.
+Index = complex | float | Floats
+
+# Nodes of the tables that `boundary` makes: as many as the engine has.
+_COSINES = 129
+_STEP_NM = 2.0
+_MOST_NM = 1e5
+_MOST_SPREAD = 0.2
+# Thicknesses are averaged over so many standard deviations on both sides.
+_REACH = 4.0
+_POINTS_AT_ONCE = 1 << 16
+# Grazing light counts as this, as in layers of air beams without end would add up there.
+_LEAST_COSINE = 1e-6
+
+
+@value_class
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerStack:
+    """Thin layers on something thick, in air: a scale, a beetle's cuticle, an oxide, a bare metal.
+
+    Light that is not reflected is absorbed, below if not in the layers: nothing comes back from
+    under the stack. An index is n + ik, k at least 0: a number, or a table (W, 2) or (W, 3) of
+    wavelength in nm, ascending, n and k, linear between and held beyond (`refractive_index` has
+    some).
+
+    layers: pairs (thickness in nm, index), from outside to inside; none: the bare substrate.
+    substrate: the index of what they lie on.
+    spread: standard deviation of the thickness, of all layers together, as a share of it, 0 to 0.2:
+        scales and cuticles are not all alike. Reflectances are averaged over it, Gaussian.
+
+    Raises:
+        omma.Error: thicknesses that are not 0 to 100,000 nm, indices that are not finite or have a
+            negative part, a spread out of range.
+
+    Example:
+        >>> film = omma.scene.LayerStack([(200, 1.55)], substrate=1.0)
+        >>> round(float(film.mueller(500, 0)[0, 0, 0]), 3)
+        0.087
+    """
+
+    layers: tuple[tuple[float, Index], ...] = ()
+    substrate: Index = 1.0
+    spread: float = 0.0
+
+    def __post_init__(self) -> None:
+        layers = self.layers
+        if isinstance(layers, str) or not isinstance(layers, Iterable):
+            raise TypeError(
+                f"layers: expected pairs of a thickness and an index, found "
+                f"{type(layers).__name__} {layers!r:.40}"
+            )
+        made = []
+        for i, layer in enumerate(layers):
+            if isinstance(layer, str) or not isinstance(layer, Iterable):
+                raise TypeError(f"layers[{i}]: expected a pair, found {type(layer).__name__}")
+            pair = tuple(layer)
+            if len(pair) != 2:
+                raise Error(f"layers[{i}]: expected a thickness and an index, found {len(pair)}")
+            thickness = within(pair[0], f"layers[{i}] thickness", 0, _MOST_NM)
+            made.append((thickness, _checked_index(pair[1], f"layers[{i}] index")))
+        object.__setattr__(self, "layers", tuple(made))
+        object.__setattr__(self, "substrate", _checked_index(self.substrate, "substrate"))
+        object.__setattr__(self, "spread", within(self.spread, "spread", 0, _MOST_SPREAD))
+
+    @checked
+    def mueller(self, wavelength_nm: ArrayLike, angle_deg: ArrayLike) -> Floats:
+        """Elements of the Mueller matrix of a reflection: (W, A, 3) for W wavelengths, A angles.
+
+        a is the reflectance of unpolarised light, a + b that of light that swings across the plane
+        of incidence (s), a - b of light that swings in it (p), c is Re(r_s r_p*).
+
+        Args:
+            wavelength_nm: (W,) or a number, above 0.
+            angle_deg: (A,) or a number, from the normal, 0 to 90.
+
+        Raises:
+            omma.Error: wavelengths or angles out of range.
+        """
+        nm = np.atleast_1d(array_of(wavelength_nm, "wavelength_nm", [(), (None,)], finite=True))
+        angle = np.atleast_1d(array_of(angle_deg, "angle_deg", [(), (None,)], finite=True))
+        if not np.all(nm > 0):
+            raise Error("wavelength_nm: expected wavelengths above 0")
+        if not np.all((angle >= 0) & (angle <= 90)):
+            raise Error("angle_deg: expected 0 to 90")
+        return self._mueller(nm, np.cos(np.radians(angle)))
+
+    @checked
+    def boundary(self, wavelength_nm: ArrayLike | None = None) -> BoundaryTable:
+        """The table by which a `Material` reflects like this stack, as ``Material(boundary=)``.
+
+        Args:
+            wavelength_nm: (W,), ascending; None: every 2 nm from 300 to 700 nm. Bands of a light
+                take the means over them, straight between; beyond the last it is held.
+
+        Raises:
+            omma.Error: fewer than 2 wavelengths, or some that do not ascend from 100 to 5,000 nm.
+        """
+        if wavelength_nm is None:
+            nm = np.arange(300.0, 700.0 + _STEP_NM / 2, _STEP_NM)
+        else:
+            nm = array_of(wavelength_nm, "wavelength_nm", (None,), finite=True)
+            if not np.all(nm > 0):
+                raise Error("wavelength_nm: expected wavelengths above 0")
+        return BoundaryTable(nm, self._mueller(nm, np.linspace(0, 1, _COSINES)))
+
+    @checked
+    def material(self, name: str = "", roughness: float = 0.0) -> Material:
+        """A material of scenes that reflects like this stack, for worlds that are lit.
+
+        Its base colour, which other programs show, is that of the reflectance at normal incidence.
+
+        Args:
+            roughness: as in glTF, of the facets that the stack lies on: 0 is a mirror.
+
+        Raises:
+            omma.Error: a roughness that is not 0 to 1.
+        """
+        nm = np.arange(400.0, 701.0, 5.0)
+        color = linear_srgb(nm, self.mueller(nm, 0)[:, 0, 0])
+        return Material(
+            name,
+            base_color=color,
+            metallic=1,
+            roughness=within(roughness, "roughness", 0, 1),
+            boundary=self.boundary(),
+        )
+
+    def _mueller(self, nm: Floats, cosine: Floats) -> Floats:
+        """(W, C, 3), averaged over thicknesses."""
+        scales, weights = self._thicknesses(nm)
+        out = np.zeros((len(nm), len(cosine), 3))
+        rows = max(1, _POINTS_AT_ONCE // max(1, len(cosine)))
+        for first in range(0, len(nm), rows):
+            part = nm[first : first + rows]
+            indices = [_index_at(index, part) for _, index in self.layers]
+            indices.append(_index_at(self.substrate, part))
+            for scale, weight in zip(scales, weights):
+                depths = [scale * thickness for thickness, _ in self.layers]
+                out[first : first + rows] += weight * _elements(part, cosine, depths, indices)
+        return out
+
+    def _thicknesses(self, nm: Floats) -> tuple[Floats, Floats]:
+        """Factors of the thickness, and their weights: the trapezoidal rule, which for a Gaussian is
+        exact where its steps are short beside periods of the phase, here of beams that go to and
+        fro six times."""
+        optical = sum(
+            thickness * np.max(np.abs(_index_at(index, nm))) for thickness, index in self.layers
+        )
+        if self.spread == 0 or optical == 0:
+            return np.ones(1), np.ones(1)
+        phase = 4 * np.pi * optical / np.min(nm) * self.spread  # of a standard deviation
+        half = int(np.ceil(_REACH * (6 * phase + _REACH) / (2 * np.pi))) + 2
+        at = np.linspace(-_REACH, _REACH, 2 * half + 1)
+        weights = np.exp(-(at**2) / 2)
+        return 1 + self.spread * at, weights / weights.sum()
+
+    def __repr__(self) -> str:
+        thickness = sum(thickness for thickness, _ in self.layers)
+        layers = f"{len(self.layers)} layer{'' if len(self.layers) == 1 else 's'}"
+        return f"LayerStack({layers}, {thickness:g} nm)"
+
+
+@checked
+def refractive_index(substance: str) -> Floats:
+    """A measured refractive index n + ik: (W, 3), wavelength in nm, n and k, for `LayerStack`.
+
+    Sources are in python/omma/scene/refractive_indices.csv. Films differ by how they were made;
+    take your own numbers where you have them.
+
+    Args:
+        substance: "aluminium", "chitin", "copper", "gold" or "silver".
+
+    Example:
+        >>> omma.scene.refractive_index("gold")[0]
+        array([292.4  ,   1.49 ,   1.878])
+
+    Raises:
+        omma.Error: a substance that is not among them.
+    """
+    known = _indices()
+    return known[one_of(substance, known, "substance")].copy()
+
+
+@cache
+def _indices() -> dict[str, Floats]:
+    found: dict[str, list[list[float]]] = {}
+    for row in packaged_rows("omma.scene", "refractive_indices.csv"):
+        numbers_there = [float(row[column]) for column in ("wavelength_nm", "n", "k")]
+        found.setdefault(row["substance"], []).append(numbers_there)
+    return {name: np.array(rows) for name, rows in found.items()}
+
+
+def _checked_index(given: Any, name: str) -> Index:
+    if isinstance(given, numbers.Complex) and not isinstance(given, bool):
+        index = complex(given)
+        if not (np.isfinite(index) and index.real >= 0 and index.imag >= 0 and index != 0):
+            raise Error(f"{name}: expected n + ik, neither below 0, found {given!r:.40}")
+        return index if index.imag else index.real
+    table = array_of(given, name, [(None, 2), (None, 3)], finite=True).copy()
+    if len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0) or table[0, 0] <= 0:
+        raise Error(f"{name}: expected 2 or more wavelengths that ascend")
+    if np.any(table[:, 1:] < 0) or not np.all(np.any(table[:, 1:] > 0, axis=1)):
+        raise Error(f"{name}: expected n and k that are not below 0, nor both 0")
+    table.flags.writeable = False
+    return table
+
+
+def _index_at(index: Index, nm: Floats) -> Complex:
+    """(W, 1)."""
+    if not isinstance(index, np.ndarray):
+        return np.full((len(nm), 1), index, np.complex128)
+    at = [np.interp(nm, index[:, 0], index[:, column]) for column in range(1, index.shape[1])]
+    return cast(Complex, (at[0] + 1j * (at[1] if len(at) > 1 else 0)).reshape(-1, 1))
+
+
+def _elements(nm: Floats, cosine: Floats, depths_nm: list[float], indices: list[Complex]) -> Floats:
+    """a, b and c, (W, C, 3), of layers of these depths and the substrate last."""
+    cosine = np.maximum(cosine, _LEAST_COSINE)
+    sine2 = 1 - cosine**2
+    # n cos of the angle inside: its imaginary part is at least 0, so that waves decay inwards.
+    n = [np.ones((1, 1), np.complex128), *indices]
+    q = [cosine.astype(np.complex128)[None, :]]
+    q += [np.sqrt(index**2 - sine2) for index in indices]
+    amplitudes = []
+    for is_s in (True, False):
+        ways = q if is_s else [of / index**2 for of, index in zip(q, n)]
+        r: Any = 0
+        for i in reversed(range(len(q) - 1)):
+            step = _step(ways[i], ways[i + 1])
+            if i == len(depths_nm):
+                r = step
+                continue
+            inside = r * np.exp(4j * np.pi / nm[:, None] * depths_nm[i] * q[i + 1])
+            r = (step + inside) / (1 + step * inside)
+        amplitudes.append(r)
+    s, p = amplitudes
+    s2, p2 = np.abs(s) ** 2, np.abs(p) ** 2
+    a = np.minimum((s2 + p2) / 2, 1)
+    return np.stack([a, (s2 - p2) / 2, (s * np.conj(p)).real], axis=-1)
+
+
+def _step(outside: Complex, inside: Complex) -> Complex:
+    """Fresnel's amplitude between two layers; that of no difference is 0."""
+    total = outside + inside
+    even = total == 0
+    return np.where(even, 0, (outside - inside) / np.where(even, 1, total))
