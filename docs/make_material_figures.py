@@ -174,13 +174,13 @@ def lake(wind_m_per_s: float) -> np.ndarray:
     pose = omma.look_at((0, 2, 0), (0, 2, -1))
     seen = omma.Renderer(world, eye, omma.Fixed(32)).render(pose)[0]
     colours = omma.picture.bands_to_rgb(seen, sky).reshape(len(rise), len(across), 3)
-    return omma.picture.display(1 - np.exp(-colours / 0.6))
+    return omma.picture.display(1 - np.exp(-colours / 2.5))
 
 
 def water_figure() -> None:
     figure = plt.figure(figsize=(11, 7.2), layout="constrained")
-    grid = figure.add_gridspec(2, len(WINDS), height_ratios=[1.15, 1])
-    panel = figure.add_subplot(grid[0, :2])
+    above, below = figure.subfigures(2, 1, height_ratios=[1.15, 1])
+    panel, swatches = above.subplots(1, 2)
     panel.axvspan(300, 400, color="0.93", lw=0)
     for type_, colour in zip(
         TYPES, ("#1f3b99", "#3b7dd8", "#2a9d8f", "#7fb03a", "#b5892e", "#6b4b32")
@@ -192,7 +192,7 @@ def water_figure() -> None:
     panel.spines[["top", "right"]].set_visible(False)
     panel.legend(fontsize=8, frameon=False, ncols=2)
 
-    panel = figure.add_subplot(grid[0, 2:])
+    panel = swatches
     panel.imshow([[coloured(type_, depth) for type_ in TYPES] for depth in DEPTHS_M], aspect="auto")
     panel.set_xticks(range(len(TYPES)), TYPES)
     rows = ["no bottom" if depth is None else f"{depth:g} m" for depth in DEPTHS_M]
@@ -202,12 +202,11 @@ def water_figure() -> None:
         "The same over sand, by type and depth, 1.7 times as bright", loc="left", fontsize=10
     )
 
-    for k, wind in enumerate(WINDS):
-        panel = figure.add_subplot(grid[1, k])
+    for k, (panel, wind) in enumerate(zip(below.subplots(1, len(WINDS)), WINDS)):
         extent = (-WIDE_DEG, WIDE_DEG, LOW_DEG, HIGH_DEG)
         panel.imshow(lake(wind), extent=extent, interpolation="nearest")
         panel.set_title("no wind" if wind == 0 else f"wind {wind:g} m/s", loc="left", fontsize=10)
-        panel.set_xticks([-30, 0, 30], ["30° left", "sun", "30° right"])
+        panel.set_xticks([-25, 0, 25], ["25° left", "sun", "25° right"])
         ticks = [0, -SUN_DEG, -50]
         panel.set_yticks(
             ticks, [f"{tick:g}°".replace("-", "−") for tick in ticks] if k == 0 else [""] * 3

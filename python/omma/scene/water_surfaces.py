@@ -37,11 +37,13 @@ _INDICES = (1.3, 1.4)
 _CALM, _PER_WIND, _MOST_WIND = 0.003, 0.00512, 14.0
 # No wave is steeper than 30 degrees, where it breaks (Stokes 1880; recalled).
 _STEEPEST = float(np.tan(np.radians(30.0)) ** 2)
-# What endless water sends up, by X = b_b / (a + b_b): pi times the radiance that goes straight up
-# over what goes down, of suns 0.86 steep below the surface, the mean of an even sky (Albert and
-# Mobley, Opt. Express 11:2873, 2003, as the package bio_optics has it). It is 0.33 X for X = 0.07
-# (Morel and Prieur, Limnol. Oceanogr. 22:709, 1977).
-_SENT_UP = np.pi * 0.0512 * (1 + 0.4021) * (1 + 0.1098 / 0.86)
+# What endless water sends up is this times X = b_b / (a + b_b) (Morel and Prieur, Limnol. Oceanogr.
+# 22:709, 1977; recalled).
+_SENT_UP = 0.33
+# Where X is above 0.075 it is more: pi times the radiance that goes straight up over what goes
+# down, under suns whose light goes down at a cosine of 0.86, the mean of an even sky (Albert and
+# Mobley, Opt. Express 11:2873, 2003, as the package bio_optics has it); this times a polynomial.
+_TURBID = np.pi * 0.0512 * (1 + 0.4021) * (1 + 0.1098 / 0.86)
 _BY_SHARE = (1.0, 4.6659, -7.8387, 5.4571)
 # K = this (a + b_b), of the way down and up again: found here with photons (docs/materials.md).
 _DOWN = 1.3
@@ -62,10 +64,11 @@ def water(
     """Water seen from above, as a material of scenes, for worlds that are lit.
 
     Its surface mirrors as Fresnel says and polarises, level or with slopes of waves
-    (`wave_roughness`). Just below it the water sends up R, about 0.33 b_b / (a + b_b), of the light
-    that goes down (Albert and Mobley 2003), or with a bottom of reflectance A at depth z
-    R + (A - R) exp(-2 K z), K = 1.3 (a + b_b) (Maritorena, Morel and Gentili 1994, eq. 9a). Light
-    is refracted in and out. docs/materials.md says how exact that is.
+    (`wave_roughness`). Just below it the water sends up R of the light that goes down, 0.33
+    b_b / (a + b_b) (Morel and Prieur 1977), of turbid water more (Albert and Mobley 2003), or with
+    a bottom of reflectance A at depth z R + (A - R) exp(-2 K z), K = 1.3 (a + b_b) (Maritorena,
+    Morel and Gentili 1994, eq. 9a). Light is refracted in and out. docs/materials.md says how exact
+    that is.
 
     Args:
         kind: the water's type after Jerlov: "I", "IA", "IB", "II", "III" (ocean, from the
@@ -197,7 +200,8 @@ def _mirrored(cosine: Floats, alpha: float, n: float, steps: int = 64) -> Floats
 
 def _sent_up(share: Floats) -> Floats:
     """R of endless water by b_b / (a + b_b)."""
-    return np.asarray(_SENT_UP * share * np.polynomial.polynomial.polyval(share, _BY_SHARE))
+    turbid = _TURBID * np.polynomial.polynomial.polyval(share, _BY_SHARE)
+    return np.asarray(share * np.maximum(_SENT_UP, turbid))
 
 
 def _inside(
