@@ -4,6 +4,18 @@ import numpy as np
 import pytest
 from lit_checks import BAND, eyes_at, flat_spectrum, look, look_many, slanted, square
 from water_monte_carlo import light_leaving
+from water_slopes import (
+    SUN_RAD,
+    SUN_RADIANCE,
+    N,
+    by_slopes,
+    glitter,
+    half_width,
+    hemisphere,
+    mirrored,
+    shares,
+    towards,
+)
 
 import omma
 from omma.light import Disc, Light, Spectrum, uniform_sky, water_types
@@ -11,64 +23,14 @@ from omma.light import water as under
 from omma.scene import water, wave_roughness
 from omma.scene.water_surfaces import leaving, surface_albedo
 
-N = 1.34
-SUN_RAD = float(np.radians(0.533 / 2))
 WHITE_SKY = uniform_sky(1.0, bands=BAND, unit="watts")
+BACKENDS = pytest.mark.parametrize("backend", ["embree", "portable"])
 # Of what gloss reflects, by which the base is dimmed (tests/cpp/physics_specular_albedo.cpp).
 ALBEDO_TABLE = 1e-3
 
 
-def shares(cosine):
-    """R_s and R_p from above, by Fresnel's formulas in angles."""
-    air = np.arccos(np.clip(cosine, 0, 1 - 1e-12))
-    inside = np.arcsin(np.sin(air) / N)
-    return (np.sin(air - inside) / np.sin(air + inside)) ** 2, (
-        np.tan(air - inside) / np.tan(air + inside)
-    ) ** 2
-
-
-def mirrored(cosine):
-    return sum(shares(cosine)) / 2
-
-
-def towards(elevation_deg, azimuth_deg=0.0):
-    """Unit vectors (..., 3), azimuth from -Z to +X."""
-    e, a = np.radians(elevation_deg), np.radians(azimuth_deg)
-    return np.stack(
-        np.broadcast_arrays(np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)), axis=-1
-    )
-
-
-def by_slopes(viewer, light, mean_square, *, normal=False):
-    """Radiance of glitter for light of irradiance 1 across its way, per sr: of facets whose slopes
-    follow GGX and that hide each other, or of normally distributed ones that do not (Cox and Munk
-    1954). Directions (..., 3)."""
-    half = viewer + light
-    half = half / np.linalg.norm(half, axis=-1, keepdims=True)
-    up = half[..., 1]
-    slope2 = 1 / up**2 - 1
-    if normal:
-        density, seen = np.exp(-slope2 / mean_square) / (np.pi * mean_square), 1.0
-    else:
-        density = 1 / (np.pi * mean_square * (1 + slope2 / mean_square) ** 2)
-        hidden = [
-            (np.sqrt(1 + mean_square * (1 / one[..., 1] ** 2 - 1)) - 1) / 2
-            for one in (viewer, light)
-        ]
-        seen = 1 / (1 + hidden[0] + hidden[1])
-    fresnel = mirrored((half * light).sum(axis=-1))
-    return np.where(light[..., 1] > 0, fresnel * density * seen / (4 * viewer[..., 1] * up**4), 0)
-
-
-def hemisphere(rows=400, columns=200):
-    """Directions above the horizon and solid angles, even in the sine of elevation."""
-    sine = (np.arange(rows) + 0.5) / rows
-    azimuth = (np.arange(columns) + 0.5) / columns * 360
-    return towards(np.degrees(np.arcsin(sine))[:, None], azimuth), 2 * np.pi / rows / columns
-
-
 def sun_at(elevation_deg):
-    return Light(BAND, "watts", discs=(Disc(towards(elevation_deg), SUN_RAD, [1e5]),))
+    return Light(BAND, "watts", discs=(Disc(towards(elevation_deg), SUN_RAD, [SUN_RADIANCE]),))
 
 
 def lake(material, light, **how):
@@ -124,14 +86,15 @@ class TestLeaving:
         # The grid of 40 cosines and 240,000 directions.
         assert surface_albedo(np.sqrt(mean_square), N) == pytest.approx(expected, rel=2e-3)
 
+    @BACKENDS
     @pytest.mark.parametrize("sun_deg", [70.0, 25.0])
     @pytest.mark.parametrize("off_deg", [0.0, 40.0, 70.0])
-    def test_sunlight_out_of_level_water(self, sun_deg, off_deg):
+    def test_sunlight_out_of_level_water(self, sun_deg, off_deg, backend):
         """Refracted in, sent back, thrown to and fro, refracted out, in closed form."""
         below = 0.3
         sun = sun_at(sun_deg)
         falls = sun.discs[0].irradiance()[0] * np.sin(np.radians(sun_deg))
-        world = lake(matt_below(below), sun)
+        world = lake(matt_below(below), sun, backend=backend)
         # Across the sun's plane, so that its image is elsewhere.
         viewer = towards(90 - off_deg, 90.0)
         seen, error = look(world, viewer, -viewer, count=8, samples=64)
@@ -143,15 +106,16 @@ class TestLeaving:
         expected = through / N**2 * below / (1 - thrown * below) / np.pi * falls
         assert abs(seen[0] / expected - 1) < 2 * ALBEDO_TABLE + 3 * error[0] / expected
 
+    @BACKENDS
     @pytest.mark.parametrize("wind", [0.0, 5.0])
-    def test_energy_under_an_even_sky(self, wind):
+    def test_energy_under_an_even_sky(self, wind, backend):
         below = 0.3
         x, w = np.polynomial.legendre.leggauss(24)
         cosine, weight = (x + 1) / 2, w / 2 * (x + 1)
         viewers = towards(np.degrees(np.arcsin(cosine)))
         found = []
         for material in (matt_below(below, wind_m_per_s=wind), black(wind)):
-            world = lake(material, WHITE_SKY)
+            world = lake(material, WHITE_SKY, backend=backend)
             seen, error = look_many(world, 0.05 * viewers, -viewers, samples=1024)
             found.append((weight @ seen[:, 0], np.sqrt(weight**2 @ error[:, 0] ** 2)))
         (whole, noise), (gloss, its_noise) = found
@@ -163,39 +127,16 @@ class TestLeaving:
         assert off < 2 * ALBEDO_TABLE * expected + 3 * np.hypot(noise, its_noise)
 
 
-def on_sun(elevation_deg, steps=10):
-    """Directions all over the sun's disc, even by area, (steps, steps, 3)."""
-    out = SUN_RAD * np.sqrt((np.arange(steps) + 0.5) / steps)[:, None]
-    turn = 2 * np.pi * (np.arange(steps) + 0.5) / steps
-    middle = towards(elevation_deg)
-    side, up = np.array([1.0, 0, 0]), np.cross([1.0, 0, 0], middle)
-    points = middle + np.tan(out)[..., None] * (
-        np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * up
-    )
-    return points / np.linalg.norm(points, axis=-1, keepdims=True)
-
-
-def glitter(viewers, sun_deg, mean_square, **how):
-    """Radiance of glitter (K,) for the sun of `sun_at`, seen from `viewers` (K, 3)."""
-    across = 1e5 * np.pi * np.sin(SUN_RAD) ** 2
-    points = on_sun(sun_deg)
-    return across * np.array([by_slopes(one, points, mean_square, **how).mean() for one in viewers])
-
-
-def half_width(angle_deg, radiance):
-    """Where it has fallen to half of its first value."""
-    k = int(np.argmax(radiance < radiance[0] / 2))
-    return float(np.interp(-radiance[0] / 2, -radiance[k - 1 : k + 1], angle_deg[k - 1 : k + 1]))
-
-
 class TestGlitter:
+    @BACKENDS
     @pytest.mark.parametrize("wind", [2.0, 5.0, 12.0])
     @pytest.mark.parametrize("sun_deg", [60.0, 12.0])
-    def test_along_and_beside_the_path(self, sun_deg, wind):
+    def test_along_and_beside_the_path(self, sun_deg, wind, backend):
         rise = np.array([5.0, 10.0, 25.0, 45.0, 70.0, sun_deg, sun_deg, sun_deg])
         beside = np.array([0.0, 0, 0, 0, 0, 3.0, 10.0, 25.0])
         viewers = towards(rise, 180 + beside)
-        seen, error = look_many(lake(black(wind), sun_at(sun_deg)), 0.05 * viewers, -viewers)
+        world = lake(black(wind), sun_at(sun_deg), backend=backend)
+        seen, error = look_many(world, 0.05 * viewers, -viewers)
         expected = glitter(viewers, sun_deg, 0.003 + 0.00512 * wind)
         # Single precision of half vectors, and points on the sun.
         assert np.all(np.abs(seen[:, 0] - expected) < 2e-3 * expected + 4 * error[:, 0])
@@ -273,11 +214,12 @@ class TestPolarisation:
         assert angles[np.argmax(degree)] == pytest.approx(np.degrees(np.arctan(N)), abs=0.25)
         assert degree.max() > 0.999
 
+    @BACKENDS
     @pytest.mark.parametrize("angle", [30.0, 53.27, 75.0])
-    def test_of_waves(self, angle):
+    def test_of_waves(self, angle, backend):
         """Each facet in the plane that it mirrors in, added up."""
         wind = 6.0
-        world = lake(black(wind), WHITE_SKY, polarized=True)
+        world = lake(black(wind), WHITE_SKY, polarized=True, backend=backend)
         seen, error = look(world, *slanted(angle), samples=1024)
         light, solid_angle = hemisphere()
         viewer = slanted(angle)[0]
