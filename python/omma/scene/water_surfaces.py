@@ -40,7 +40,7 @@ _STEEPEST = float(np.tan(np.radians(30.0)) ** 2)
 # What endless water sends up is this times X = b_b / (a + b_b) (Morel and Prieur, Limnol. Oceanogr.
 # 22:709, 1977; recalled).
 _SENT_UP = 0.33
-# Where X is above 0.075 it is more: pi times the radiance that goes straight up over what goes
+# Where X is above 0.072 it is more: pi times the radiance that goes straight up over what goes
 # down, under suns whose light goes down at a cosine of 0.86, the mean of an even sky (Albert and
 # Mobley, Opt. Express 11:2873, 2003, as the package bio_optics has it); this times a polynomial.
 _TURBID = np.pi * 0.0512 * (1 + 0.4021) * (1 + 0.1098 / 0.86)
