@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import omma
-from omma.scene import LayerStack, Mesh, refractive_index
+from omma.scene import LayerStack, refractive_index
 
 FOLDER = Path(__file__).resolve().parent
 NM = np.arange(300.0, 701.0)
@@ -22,7 +22,7 @@ DEPTH_NM = PEAK_NM / 2 / (1.7 + 1.6)
 
 STACKS = {
     "Morpho-like scales": LayerStack(
-        [(65, 1.56), (125, 1.0)] * 8, substrate=1.56 + 0.06j, spread=0.04
+        [(80, 1.31), (130, 1.0)] * 6, substrate=1.56 + 0.06j, spread=0.06
     ),
     "jewel beetle, Chrysochroa": LayerStack(
         [(DEPTH_NM, 1.7), (DEPTH_NM, 1.6)] * 8, substrate=1.6, spread=0.02
@@ -53,12 +53,11 @@ def spectra(panel: Axes, title: str, stack: LayerStack) -> None:
 def balls() -> tuple[np.ndarray, np.ndarray]:
     """Three balls in a row: as people see them, and their degree of polarisation, 0 to 1."""
     light = omma.light.clear_sky(40, sun_azimuth_deg=150)
-    meshes: list[Mesh] = []
-    for i in range(len(STACKS)):
-        ball = omma.scene.sphere(0.5, center_m=(1.15 * (i - 1), 0, 0), segments=192).meshes[0]
-        meshes.append(ball.replace(material=i))
-    materials = [stack.material(name, ROUGHNESS) for name, stack in STACKS.items()]
-    scene = omma.Scene(meshes=meshes, materials=materials)
+    scenes = []
+    for i, (name, stack) in enumerate(STACKS.items()):
+        ball = omma.scene.sphere(0.5, center_m=(1.15 * (i - 1), 0, 0), segments=192)
+        scenes.append(ball.replace(materials=[stack.material(name, ROUGHNESS)]))
+    scene = omma.scene.merge_scenes(scenes)
     world = omma.World(scene, light=light, polarized=True, lighting="path")
     across, up = np.meshgrid(np.linspace(-1.8, 1.8, WIDTH), np.linspace(0.62, -0.62, HEIGHT))
     axes = np.stack([across, up, np.full_like(up, -6.0)], axis=-1).reshape(-1, 3)

@@ -436,6 +436,51 @@ class ExtraReflectance:
         Another one that differs in what is given by keyword, as for making one.
         """
 
+class BoundaryTable:
+    """
+    How a surface reflects by wavelength and angle, as stacks of thin films and metals do
+    (`LayerStack` makes such tables).
+
+    wavelength_nm: (W,), 2 to 10,000 from 100 to 5,000 nm, ascending.
+    mueller: (W, C, 3), at C cosines of the angle of incidence, even from 0 to 1: with field
+    amplitudes r_s and r_p across the plane of incidence and in it,
+    a = (|r_s|² + |r_p|²) / 2, the reflectance of unpolarised light,
+    b = (|r_s|² - |r_p|²) / 2 and c = Re(r_s r_p*), by which at normal incidence c = -a.
+    Linear between, and beyond its wavelengths as at the last one.
+
+    Raises `omma.Error`, which names the argument.
+    """
+
+    # Generated, not written; after a change to the bindings:
+    # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
+
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, mueller: numpy.typing.ArrayLike) -> None: ...
+
+    @property
+    def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:
+        """(W,), nm, ascending; read-only."""
+
+    @property
+    def mueller(self, /) -> numpy.typing.NDArray[numpy.float32]:
+        """(W, C, 3): a, b and c; read-only."""
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __copy__(self) -> BoundaryTable: ...
+
+    def __deepcopy__(self, memo: object) -> BoundaryTable: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+    def replace(self, **changes: Any) -> BoundaryTable:
+        """
+        Another one that differs in what is given by keyword, as for making one.
+        """
+
 class Material:
     """
     What a surface looks like: base colour × texture × the mesh's vertex colours, and emission
@@ -454,7 +499,9 @@ class Material:
     ``reflectance`` and ``transmittance`` are spectra (`omma.light.Spectrum`, 0 to 1, together
     at most 1) in place of what RGB stands for, where the base colour has the relative
     luminance ``spectral_luminance``, and proportional to it elsewhere. ``extra_reflectance``
-    adds an image of spectra, ``emission`` is the spectrum of what shines.
+    adds an image of spectra, ``emission`` is the spectrum of what shines. ``boundary`` is how its
+    metal, the part ``metallic`` of it, reflects by wavelength and angle, in place of the base
+    colour (`LayerStack`); that polarises.
 
     Raises `omma.Error`, which names the argument.
     """
@@ -462,7 +509,7 @@ class Material:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, clearcoat_normal_texture: int | TextureUse | None = None, clearcoat_normal_scale: float = 1.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None) -> None: ...
+    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, clearcoat_normal_texture: int | TextureUse | None = None, clearcoat_normal_scale: float = 1.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None, boundary: BoundaryTable | None = None) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -588,6 +635,9 @@ class Material:
         """
         W m⁻² sr⁻¹ nm⁻¹ where the emissive factor times texture has luminance 1.
         """
+
+    @property
+    def boundary(self, /) -> BoundaryTable | None: ...
 
     def __hash__(self) -> int: ...
 

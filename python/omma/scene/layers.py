@@ -12,7 +12,7 @@ import numbers
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,9 +35,17 @@ _MOST_NM = 1e5
 _MOST_SPREAD = 0.2
 # Thicknesses are averaged over so many standard deviations on both sides.
 _REACH = 4.0
-_POINTS_AT_ONCE = 1 << 16
+_POINTS_AT_ONCE = 1 << 12
 # Grazing light counts as this, as in layers of air beams without end would add up there.
 _LEAST_COSINE = 1e-6
+
+
+class _Spread(NamedTuple):
+    """Thicknesses as factors, the first and how much more each next one is, and their weights."""
+
+    first: float
+    step: float
+    weights: Floats
 
 
 @value_class
@@ -154,32 +162,30 @@ class LayerStack:
 
     def _mueller(self, nm: Floats, cosine: Floats) -> Floats:
         """(W, C, 3), averaged over thicknesses."""
-        scales, weights = self._thicknesses(nm)
+        spread = self._thicknesses(nm)
         out = np.zeros((len(nm), len(cosine), 3))
+        depths = [thickness for thickness, _ in self.layers]
         rows = max(1, _POINTS_AT_ONCE // max(1, len(cosine)))
         for first in range(0, len(nm), rows):
             part = nm[first : first + rows]
             indices = [_index_at(index, part) for _, index in self.layers]
             indices.append(_index_at(self.substrate, part))
-            for scale, weight in zip(scales, weights):
-                depths = [scale * thickness for thickness, _ in self.layers]
-                out[first : first + rows] += weight * _elements(part, cosine, depths, indices)
+            out[first : first + rows] = _elements(part, cosine, depths, indices, spread)
         return out
 
-    def _thicknesses(self, nm: Floats) -> tuple[Floats, Floats]:
-        """Factors of the thickness, and their weights: the trapezoidal rule, which for a Gaussian is
-        exact where its steps are short beside periods of the phase, here of beams that go to and
-        fro six times."""
+    def _thicknesses(self, nm: Floats) -> _Spread:
+        """The trapezoidal rule, which for a Gaussian is exact where its steps are short beside
+        periods of the phase, here of beams that go to and fro six times."""
         optical = sum(
             thickness * np.max(np.abs(_index_at(index, nm))) for thickness, index in self.layers
         )
         if self.spread == 0 or optical == 0:
-            return np.ones(1), np.ones(1)
+            return _Spread(1.0, 0.0, np.ones(1))
         phase = 4 * np.pi * optical / np.min(nm) * self.spread  # of a standard deviation
         half = int(np.ceil(_REACH * (6 * phase + _REACH) / (2 * np.pi))) + 2
-        at = np.linspace(-_REACH, _REACH, 2 * half + 1)
-        weights = np.exp(-(at**2) / 2)
-        return 1 + self.spread * at, weights / weights.sum()
+        weights = np.exp(-(np.linspace(-_REACH, _REACH, 2 * half + 1) ** 2) / 2)
+        reach = self.spread * _REACH
+        return _Spread(1 - reach, reach / half, weights / weights.sum())
 
     def __repr__(self) -> str:
         thickness = sum(thickness for thickness, _ in self.layers)
@@ -240,30 +246,39 @@ def _index_at(index: Index, nm: Floats) -> Complex:
     return cast(Complex, (at[0] + 1j * (at[1] if len(at) > 1 else 0)).reshape(-1, 1))
 
 
-def _elements(nm: Floats, cosine: Floats, depths_nm: list[float], indices: list[Complex]) -> Floats:
+def _elements(
+    nm: Floats, cosine: Floats, depths_nm: list[float], indices: list[Complex], spread: _Spread
+) -> Floats:
     """a, b and c, (W, C, 3), of layers of these depths and the substrate last."""
     cosine = np.maximum(cosine, _LEAST_COSINE)
     sine2 = 1 - cosine**2
     # n cos of the angle inside: its imaginary part is at least 0, so that waves decay inwards.
-    n = [np.ones((1, 1), np.complex128), *indices]
     q = [cosine.astype(np.complex128)[None, :]]
     q += [np.sqrt(index**2 - sine2) for index in indices]
-    amplitudes = []
-    for is_s in (True, False):
-        ways = q if is_s else [of / index**2 for of, index in zip(q, n)]
-        r: Any = 0
-        for i in reversed(range(len(q) - 1)):
-            step = _step(ways[i], ways[i + 1])
-            if i == len(depths_nm):
-                r = step
-                continue
-            inside = r * np.exp(4j * np.pi / nm[:, None] * depths_nm[i] * q[i + 1])
-            r = (step + inside) / (1 + step * inside)
-        amplitudes.append(r)
-    s, p = amplitudes
-    s2, p2 = np.abs(s) ** 2, np.abs(p) ** 2
-    a = np.minimum((s2 + p2) / 2, 1)
-    return np.stack([a, (s2 - p2) / 2, (s * np.conj(p)).real], axis=-1)
+    of_p = [of / index**2 for of, index in zip(q, [np.ones((1, 1)), *indices])]
+    steps = [[_step(ways[i], ways[i + 1]) for i in range(len(indices))] for ways in (q, of_p)]
+    # On the way to and fro in each layer; for the next thickness a factor more.
+    ways = [4j * np.pi / nm[:, None] * depth * of for depth, of in zip(depths_nm, q[1:])]
+    beams = [np.exp(way * spread.first) for way in ways]
+    more = [np.exp(way * spread.step) for way in ways]
+    out = np.zeros((len(nm), len(cosine), 3))
+    for weight in spread.weights:
+        amplitudes = []
+        for step in steps:
+            r = step[-1]
+            for i in reversed(range(len(beams))):
+                inside = r * beams[i]
+                r = (step[i] + inside) / (1 + step[i] * inside)
+            amplitudes.append(r)
+        s, p = amplitudes
+        s2, p2 = np.abs(s) ** 2, np.abs(p) ** 2
+        out[..., 0] += weight * (s2 + p2) / 2
+        out[..., 1] += weight * (s2 - p2) / 2
+        out[..., 2] += weight * (s * np.conj(p)).real
+        for beam, factor in zip(beams, more):
+            beam *= factor
+    out[..., 0] = np.minimum(out[..., 0], 1)
+    return out
 
 
 def _step(outside: Complex, inside: Complex) -> Complex:
