@@ -10,10 +10,12 @@ import pytest
 from conftest import DATA
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from test_scene_values import BACKGROUNDS, everything
 
 import omma
 from omma.scene import (
+    BoundaryTable,
     ExtraReflectance,
     Image,
     Instance,
@@ -121,13 +123,21 @@ def spectra(draw, most=1.0):
 
 
 @st.composite
+def boundaries(draw):
+    knots = sorted(draw(st.sets(st.floats(100, 5000), min_size=2, max_size=4)))
+    a = draw(arrays(np.float32, (len(knots), draw(st.integers(2, 4))), elements=fractions))
+    return BoundaryTable(knots, np.stack([a, a * 0.5, a * -0.75], axis=-1))
+
+
+@st.composite
 def materials(draw):
     maybe = st.none()
+    metallic = draw(fractions)
     use = st.builds(TextureUse, st.just(0), st.integers(0, 1), st.tuples(fractions, fractions))
     texture = maybe | use
     normal, of_coat = draw(texture), draw(texture)
     return Material(
-        metallic=draw(fractions),
+        metallic=metallic,
         roughness=draw(fractions),
         metallic_roughness_texture=draw(texture),
         normal_texture=normal,
@@ -156,6 +166,7 @@ def materials(draw):
             maybe | st.builds(ExtraReflectance, use, st.lists(spectra(), min_size=1, max_size=3))
         ),
         emission=draw(maybe | spectra(1e9)),
+        boundary=draw(maybe | boundaries()) if metallic > 0 else None,
         unlit=draw(st.booleans()),
     )
 

@@ -70,7 +70,7 @@ class LayerStack:
     Example:
         >>> film = omma.scene.LayerStack([(200, 1.55)], substrate=1.0)
         >>> round(float(film.mueller(500, 0)[0, 0, 0]), 3)
-        0.087
+        0.088
     """
 
     layers: tuple[tuple[float, Index], ...] = ()
@@ -88,7 +88,7 @@ class LayerStack:
         for i, layer in enumerate(layers):
             if isinstance(layer, str) or not isinstance(layer, Iterable):
                 raise TypeError(f"layers[{i}]: expected a pair, found {type(layer).__name__}")
-            pair = tuple(layer)
+            pair: tuple[Any, ...] = tuple(layer)
             if len(pair) != 2:
                 raise Error(f"layers[{i}]: expected a thickness and an index, found {len(pair)}")
             thickness = within(pair[0], f"layers[{i}] thickness", 0, _MOST_NM)
@@ -211,7 +211,8 @@ def refractive_index(substance: str) -> Floats:
         omma.Error: a substance that is not among them.
     """
     known = _indices()
-    return known[one_of(substance, known, "substance")].copy()
+    index: Floats = known[one_of(substance, known, "substance")].copy()
+    return index
 
 
 @cache
@@ -229,7 +230,7 @@ def _checked_index(given: Any, name: str) -> Index:
         if not (np.isfinite(index) and index.real >= 0 and index.imag >= 0 and index != 0):
             raise Error(f"{name}: expected n + ik, neither below 0, found {given!r:.40}")
         return index if index.imag else index.real
-    table = array_of(given, name, [(None, 2), (None, 3)], finite=True).copy()
+    table: Floats = array_of(given, name, [(None, 2), (None, 3)], finite=True).copy()
     if len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0) or table[0, 0] <= 0:
         raise Error(f"{name}: expected 2 or more wavelengths that ascend")
     if np.any(table[:, 1:] < 0) or not np.all(np.any(table[:, 1:] > 0, axis=1)):
