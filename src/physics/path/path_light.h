@@ -72,12 +72,8 @@ OMMA_HD_CALLED void add_light(const Flight<L, Search>& flight, const float* weig
         path = path * turn;
       }
     }
-    for (int b = 0; b < scene.bands; ++b) {
+    const auto add_band = [&](int b, const Mueller3<F>& path_in) {
       const int at = b * L::count + l;
-      if (by_band) {
-        path = load_mueller(scene, state, flight.memory, b, l);
-        if (turns) path = path * turn;
-      }
       const F scale = load<F>(flight.memory.throughput + at) * w;
       Stokes<F> s{load<F>(light + at), F{}, F{}};
       const auto add = [&](int component, F x) {
@@ -86,18 +82,26 @@ OMMA_HD_CALLED void add_light(const Flight<L, Search>& flight, const float* weig
       };
       if (!scene.polarized) {
         add(0, s.i);
-        continue;
+        return;
       }
       if (!keeps) {
-        for (int p = 0; p < 3; ++p) add(p, path.m[p][0] * s.i);
-        continue;
+        for (int p = 0; p < 3; ++p) add(p, path_in.m[p][0] * s.i);
+        return;
       }
       if (axis != nullptr)
         s.q = load<F>(light + stride + at), s.u = load<F>(light + 2 * stride + at);
-      s = path * s;
+      s = path_in * s;
       add(0, s.i);
       add(1, s.q);
       add(2, s.u);
+    };
+    if (!by_band) {
+      for (int b = 0; b < scene.bands; ++b) add_band(b, path);
+      continue;
+    }
+    for (int b = 0; b < scene.bands; ++b) {
+      const Mueller3<F> own = load_mueller(scene, state, flight.memory, b, l);
+      add_band(b, turns ? own * turn : own);
     }
   }
 }

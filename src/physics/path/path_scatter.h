@@ -5,94 +5,9 @@
 
 #include "physics/lanes/vector3.h"
 #include "physics/path/path_light.h"
-#include "physics/surface/boundary_table.h"
+#include "physics/path/scattered.h"
 
 namespace omma {
-
-// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's
-// values, over the density with which the direction was chosen, and weighed.
-template <typename L>
-struct Scattered {
-  static constexpr int n = L::count;
-  alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
-  alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
-  alignas(n * 4) float metal[n], metal_gain[n];
-  alignas(n * 4) float schlick[n], half_cosine[n];
-  alignas(n * 4) float coat[3][n];
-  alignas(n * 4) float diffuse_q[n], diffuse_u[n];  // Q, U over I of the diffuse lobes' light
-  alignas(n * 4) std::int32_t boundary[n];  // how the metal reflects, boundary_of
-};
-
-// The same of the lanes that go at once from l on, without what polarises.
-template <typename F>
-struct LobeValues {
-  F reflected, transmitted, dielectric, metal, metal_gain, schlick, coat;
-  const float* boundaries;  // SceneView::boundaries
-  BoundaryPlace<F> boundary;
-};
-
-template <typename L>
-OMMA_HD LobeValues<typename L::F> load_lobes(const SceneView& scene, const Scattered<L>& by,
-                                             int l) {
-  using F = typename L::F;
-  using I = typename L::I;
-  return {load<F>(by.reflected + l),
-          load<F>(by.transmitted + l),
-          load<F>(by.dielectric[0] + l),
-          load<F>(by.metal + l),
-          load<F>(by.metal_gain + l),
-          load<F>(by.schlick + l),
-          load<F>(by.coat[0] + l),
-          scene.boundaries,
-          scene.boundaries == nullptr
-              ? no_boundary<F>()
-              : find_boundary(scene.bands, load<I>(by.boundary + l),
-                              load<F>(by.half_cosine + l))};
-}
-
-// What the surfaces are in a band, of those lanes.
-template <typename F>
-struct BandColor {
-  F reflectance, transmittance, tint;
-};
-
-template <typename L>
-OMMA_HD BandColor<typename L::F> load_color(const PathMemory& memory, int at) {
-  using F = typename L::F;
-  return {load<F>(memory.reflectance + at), load<F>(memory.transmittance + at),
-          load<F>(memory.tint + at)};
-}
-
-// A band's light over that which comes, by lobe: diffuse, and the mirror-like ones.
-template <typename F>
-OMMA_HD F diffuse_lobes(const LobeValues<F>& by, const BandColor<F>& color) {
-  return by.reflected * color.reflectance + by.transmitted * color.transmittance;
-}
-template <typename F>
-OMMA_HD F dielectric_tint(const LobeValues<F>& by, const BandColor<F>& color) {
-  return color.tint + (1.0f - color.tint) * by.schlick;
-}
-// Light that facets pass to each other is as that of one reflection: of a table by its mean.
-template <typename F>
-OMMA_HD Mueller<F> metal_lobe(const LobeValues<F>& by, const BandColor<F>& color, int band) {
-  const F colored = by.metal * metal_color(color.reflectance, by.schlick, by.metal_gain);
-  const Mueller<F> metal{colored, F{}, 0.0f - colored};
-  if (by.boundaries == nullptr) return metal;
-  const auto has_table = by.boundary.table >= 0;
-  if (!any_lane(has_table)) return metal;
-  const F mean = boundary_mean(by.boundaries, by.boundary, band);
-  const Mueller<F> table =
-      eval_boundary(by.boundaries, by.boundary, band) * (by.metal * (1.0f + mean * by.metal_gain));
-  return {has_table ? table.a : metal.a, has_table ? table.b : metal.b,
-          has_table ? table.c : metal.c};
-}
-
-// Of all lobes, Σ_j f_j.
-template <typename F>
-OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color, int band) {
-  return diffuse_lobes(by, color) + by.dielectric * dielectric_tint(by, color) + by.coat +
-         metal_lobe(by, color, band).a;
-}
 
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
@@ -106,7 +21,7 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
   const PathMemory& memory = flight.memory;
   const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
-    const LobeValues<F> lobes = load_lobes(scene, by, l);
+    const LobeValues<F> lobes = load_lobes(by, l);
     Mueller<F> dielectric{lobes.dielectric, F{}, F{}}, coat{lobes.coat, F{}, F{}};
     FrameTurn<F> before{}, after{};
     if (scene.polarized) {
@@ -121,27 +36,29 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
       before = frame_turn(s, cross(from, s), theirs);
       after = frame_turn(own, cross(d, own), s);
     }
-    for (int b = 0; b < scene.bands; ++b) {
-      const int at = b * L::count + l;
-      const BandColor<F> color = load_color<L>(memory, at);
-      const F i = load<F>(light + at);
-      if (!scene.polarized) {
-        store(light + at, all_lobes(lobes, color, b) * i);
-        continue;
+    with_metal_lobe(scene, by, l, [&](const auto& metal_in) {
+      for (int b = 0; b < scene.bands; ++b) {
+        const int at = b * L::count + l;
+        const BandColor<F> color = load_color<L>(memory, at);
+        const F i = load<F>(light + at);
+        const Mueller<F> metal = metal_in(lobes, color, b);
+        if (!scene.polarized) {
+          store(light + at, all_lobes(lobes, color, metal.a) * i);
+          continue;
+        }
+        const F tint = dielectric_tint(lobes, color);
+        const Stokes<F> s =
+            before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
+        const Mueller<F> mirrored{dielectric.a * tint + coat.a + metal.a,
+                                  dielectric.b * tint + coat.b + metal.b,
+                                  dielectric.c * tint + coat.c + metal.c};
+        const Stokes<F> out = after * (mirrored * s);
+        const F diffuse = diffuse_lobes(lobes, color) * i;
+        store(light + at, out.i + diffuse);
+        store(light + stride + at, out.q + diffuse * load<F>(by.diffuse_q + l));
+        store(light + 2 * stride + at, out.u + diffuse * load<F>(by.diffuse_u + l));
       }
-      const F tint = dielectric_tint(lobes, color);
-      const Mueller<F> metal = metal_lobe(lobes, color, b);
-      const Stokes<F> s =
-          before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
-      const Mueller<F> mirrored{dielectric.a * tint + coat.a + metal.a,
-                                dielectric.b * tint + coat.b + metal.b,
-                                dielectric.c * tint + coat.c + metal.c};
-      const Stokes<F> out = after * (mirrored * s);
-      const F diffuse = diffuse_lobes(lobes, color) * i;
-      store(light + at, out.i + diffuse);
-      store(light + stride + at, out.q + diffuse * load<F>(by.diffuse_q + l));
-      store(light + 2 * stride + at, out.u + diffuse * load<F>(by.diffuse_u + l));
-    }
+    });
   }
 }
 
@@ -315,10 +232,10 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
 
 // How a mirror reflects in a band, over what it reflects, where that is by a table; else `mirror`.
 template <typename F, typename Mask>
-OMMA_HD Mueller<F> band_mirror(const LobeValues<F>& lobes, Mask is_metal, const Mueller<F>& mirror,
-                               int band) {
-  const auto by_table = is_metal && lobes.boundary.table >= 0;
-  const Mueller<F> table = eval_boundary(lobes.boundaries, lobes.boundary, band);
+OMMA_HD Mueller<F> band_mirror(const float* tables, const BoundaryPlace<F>& at, Mask is_metal,
+                               const Mueller<F>& mirror, int band) {
+  const auto by_table = is_metal && at.table >= 0;
+  const Mueller<F> table = eval_boundary(tables, at, band);
   const F scale = 1.0f / (table.a > 0.0f ? table.a : broadcast<F>(1.0f));
   return {mirror.a, by_table ? table.b * scale : mirror.b, by_table ? table.c * scale : mirror.c};
 }
@@ -352,18 +269,21 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
   using I = typename L::I;
   for (int l = 0; l < L::count; l += L::width) {
     const Scattered<L>& by = sample.by;
-    const LobeValues<F> lobes = load_lobes(scene, by, l);
+    const LobeValues<F> lobes = load_lobes(by, l);
     const I lobe = load<I>(sample.lobe + l);
     const auto is_by = lobe == let_by;
     F largest{};
-    for (int b = 0; b < scene.bands; ++b) {
-      const int at = b * L::count + l;
-      const F part = all_lobes(lobes, load_color<L>(memory, at), b);
-      const F before = load<F>(memory.throughput + at);
-      const F after = is_by ? before : before * part;
-      store(memory.throughput + at, after);
-      largest = after > largest ? after : largest;
-    }
+    with_metal_lobe(scene, by, l, [&](const auto& metal_in) {
+      for (int b = 0; b < scene.bands; ++b) {
+        const int at = b * L::count + l;
+        const BandColor<F> color = load_color<L>(memory, at);
+        const F part = all_lobes(lobes, color, metal_in(lobes, color, b).a);
+        const F before = load<F>(memory.throughput + at);
+        const F after = is_by ? before : before * part;
+        store(memory.throughput + at, after);
+        largest = after > largest ? after : largest;
+      }
+    });
     store(most + l, largest);
     if (!scene.polarized) continue;
 
@@ -395,14 +315,17 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
         keep_at(k, is_straight ? before.m[r][q] : scattered);
       }
     };
-    if (memory.mueller == nullptr)
+    if (memory.mueller == nullptr) {
       lengthen(load_mueller(state, l), mirror,
                [&](int k, F x) { store(state.mueller[k] + l, x); });
-    else
+    } else {
+      const BoundaryPlace<F> at = load_boundary(scene, by, l);
       lengthen_by_band(scene, state, memory, l,
                        [&](const Mueller3<F>& path, int band, const auto& keep_at) {
-                         lengthen(path, band_mirror(lobes, is_metal, mirror, band), keep_at);
+                         lengthen(path, band_mirror(scene.boundaries, at, is_metal, mirror, band),
+                                  keep_at);
                        });
+    }
     // Any axis across the new ray will do for what was depolarised.
     const Vector3<F> next = select(is_mirrored, s, make_axes(w).tangent);
     store_vector(packet.reference, l, select(is_straight, own, next));

@@ -21,12 +21,6 @@ struct BoundaryPlace {
   F part;                       // of the way to the next
 };
 
-template <typename F>
-OMMA_HD BoundaryPlace<F> no_boundary() {
-  const auto zero = to_int(F{});
-  return {zero - 1, zero, zero, F{}};
-}
-
 template <typename F, typename I>
 OMMA_HD BoundaryPlace<F> find_boundary(int bands, I table, F cosine) {
   const F place = clamp_unit_lanes(cosine) * static_cast<float>(boundary_nodes - 1);

@@ -200,10 +200,10 @@ OMMA_HD F size_of_cosine(F x) {
 }
 
 // Q / I of diffuse light that leaves through the boundary, with the axis s across the plane of view
-// and normal: -Q(o) / (1 - E(o)). It takes off what the boundary polarises of uniform light, so that
-// a white surface leaves such light unpolarised, as thermodynamics asks. Of a smooth boundary it is
-// (T_s - T_p) / (T_s + T_p) of what gets out (Wolff and Boult 1991, Constraining object features
-// using a polarization reflectance model).
+// and normal: -Q(o) / (1 - E(o)). It takes off what the boundary polarises of uniform light, so
+// that a white surface leaves such light unpolarised, as thermodynamics asks. Of a smooth boundary
+// it is (T_s - T_p) / (T_s + T_p) of what gets out (Wolff and Boult 1991, Constraining object
+// features using a polarization reflectance model).
 template <typename F>
 OMMA_HD F diffuse_polarization(const ScatterPoint<F>& p) {
   const AlbedoRow<F>& row = p.boundary.row;

@@ -1,0 +1,112 @@
+// What the lobes of surfaces that were met make of light of one direction, in each band.
+#pragma once
+
+#include "physics/surface/boundary_table.h"
+#include "physics/surface/scatter.h"
+#include "physics/views/path_memory.h"
+#include "physics/views/scene_view.h"
+
+namespace omma {
+
+// How light of a direction is scattered towards the eye by what was met, [lane]: scatter.h's
+// values, over the density with which the direction was chosen, and weighed.
+template <typename L>
+struct Scattered {
+  static constexpr int n = L::count;
+  alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
+  alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
+  alignas(n * 4) float metal[n], metal_gain[n];
+  alignas(n * 4) float schlick[n], half_cosine[n];
+  alignas(n * 4) float coat[3][n];
+  alignas(n * 4) float diffuse_q[n], diffuse_u[n];  // Q, U over I of the diffuse lobes' light
+  alignas(n * 4) std::int32_t boundary[n];  // how the metal reflects, boundary_of
+};
+
+// The same of the lanes that go at once from l on, without what polarises.
+template <typename F>
+struct LobeValues {
+  F reflected, transmitted, dielectric, metal, metal_gain, schlick, coat;
+};
+
+template <typename L>
+OMMA_HD LobeValues<typename L::F> load_lobes(const Scattered<L>& by, int l) {
+  using F = typename L::F;
+  return {load<F>(by.reflected + l), load<F>(by.transmitted + l), load<F>(by.dielectric[0] + l),
+          load<F>(by.metal + l),     load<F>(by.metal_gain + l),  load<F>(by.schlick + l),
+          load<F>(by.coat[0] + l)};
+}
+
+// Where the metals of those lanes lie in SceneView::boundaries, of which there are some.
+template <typename L>
+OMMA_HD BoundaryPlace<typename L::F> load_boundary(const SceneView& scene, const Scattered<L>& by,
+                                                   int l) {
+  return find_boundary(scene.bands, load<typename L::I>(by.boundary + l),
+                       load<typename L::F>(by.half_cosine + l));
+}
+
+// What the surfaces are in a band, of those lanes.
+template <typename F>
+struct BandColor {
+  F reflectance, transmittance, tint;
+};
+
+template <typename L>
+OMMA_HD BandColor<typename L::F> load_color(const PathMemory& memory, int at) {
+  using F = typename L::F;
+  return {load<F>(memory.reflectance + at), load<F>(memory.transmittance + at),
+          load<F>(memory.tint + at)};
+}
+
+// A band's light over that which comes, by lobe: diffuse, and the mirror-like ones.
+template <typename F>
+OMMA_HD F diffuse_lobes(const LobeValues<F>& by, const BandColor<F>& color) {
+  return by.reflected * color.reflectance + by.transmitted * color.transmittance;
+}
+template <typename F>
+OMMA_HD F dielectric_tint(const LobeValues<F>& by, const BandColor<F>& color) {
+  return color.tint + (1.0f - color.tint) * by.schlick;
+}
+template <typename F>
+OMMA_HD Mueller<F> metal_lobe(const LobeValues<F>& by, const BandColor<F>& color) {
+  const F colored = by.metal * metal_color(color.reflectance, by.schlick, by.metal_gain);
+  return {colored, F{}, 0.0f - colored};
+}
+// Where some lanes have tables. Light that facets pass to each other counts by a table's mean, and
+// as that of one reflection.
+template <typename F>
+OMMA_HD Mueller<F> metal_lobe(const LobeValues<F>& by, const BandColor<F>& color,
+                              const float* tables, const BoundaryPlace<F>& at, int band) {
+  const Mueller<F> metal = metal_lobe(by, color);
+  const auto has_table = at.table >= 0;
+  const F gain = 1.0f + boundary_mean(tables, at, band) * by.metal_gain;
+  const Mueller<F> table = eval_boundary(tables, at, band) * (by.metal * gain);
+  return {has_table ? table.a : metal.a, has_table ? table.b : metal.b,
+          has_table ? table.c : metal.c};
+}
+
+// Calls `each` with a function of LobeValues, BandColor and a band that gives a metal's lobe: by
+// itself where there are no tables, so that loops over bands are as fast as without.
+template <typename L, typename Each>
+OMMA_HD void with_metal_lobe(const SceneView& scene, const Scattered<L>& by, int l,
+                             const Each& each) {
+  using F = typename L::F;
+  if (scene.boundaries == nullptr) {
+    each([](const LobeValues<F>& lobes, const BandColor<F>& color, int) {
+      return metal_lobe(lobes, color);
+    });
+    return;
+  }
+  const float* const tables = scene.boundaries;
+  const BoundaryPlace<F> at = load_boundary(scene, by, l);
+  each([&](const LobeValues<F>& lobes, const BandColor<F>& color, int band) {
+    return metal_lobe(lobes, color, tables, at, band);
+  });
+}
+
+// Of all lobes, Σ_j f_j.
+template <typename F>
+OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color, F metal) {
+  return diffuse_lobes(by, color) + by.dielectric * dielectric_tint(by, color) + by.coat + metal;
+}
+
+}  // namespace omma
