@@ -156,8 +156,12 @@ TEST(PhysicsFresnel, ReflectsAsFieldsDo) {
     const Stokes<float> in_plane = m * (frame_turn(axis, beside, at_light.e1) * incident);
     expect_near(frame_turn(at_eye.e1, at_eye.e2, axis) * in_plane, stokes_of(seen, at_eye));
     // What a base sends out does not depend on how the light that falls on it swings.
-    const Stokes<float> after_base = depolarized(path) * incident;
-    EXPECT_NEAR(after_base.i, m.a * incident.i, 1e-6);
+    const Stokes<float> leaving{1, -0.2f, 0.1f};
+    const Stokes<float> after_base = depolarized(path, leaving) * incident;
+    const Stokes<float> alone = path * leaving;
+    EXPECT_NEAR(after_base.i, alone.i * incident.i, 1e-6);
+    EXPECT_NEAR(after_base.q, alone.q * incident.i, 1e-6);
+    EXPECT_NEAR(after_base.u, alone.u * incident.i, 1e-6);
   }
 }
 

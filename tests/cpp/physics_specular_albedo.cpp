@@ -47,7 +47,7 @@ TEST(PhysicsSpecularAlbedo, QuadratureIsRight) {
     for (const double roughness : {0.1, 0.4, 1.0})
       for (const double cosine : {0.01, 0.1, 0.5, 1.0})
         // 2e-4 as stated; the sum here has a third of it.
-        EXPECT_NEAR(specular_albedo(ior, roughness, cosine),
+        EXPECT_NEAR(specular_albedo(ior, roughness, cosine).all,
                     integrate_albedo(ior, roughness * roughness, cosine), 2.5e-4)
             << ior << ' ' << roughness << ' ' << cosine;
 }
@@ -63,8 +63,12 @@ TEST(PhysicsSpecularAlbedo, TableIsWithinAThousandth) {
       // Every other among the smooth and grazing.
       const float roughness = i % 2 == 0 ? u.x : u.x * u.x * u.x;
       const float cosine = i % 4 < 2 ? u.y : u.y * u.y * u.y + 1e-5f;
-      EXPECT_NEAR(eval_albedo(table.data(), find_albedo_row(roughness, 0), cosine),
-                  specular_albedo(ior, static_cast<double>(roughness), static_cast<double>(cosine)),
+      const AlbedoRow<float> row = find_albedo_row(roughness, 0);
+      const Albedo right =
+          specular_albedo(ior, static_cast<double>(roughness), static_cast<double>(cosine));
+      EXPECT_NEAR(eval_albedo(table.data(), row, cosine), right.all, ior <= 2 ? 1e-3 : 1.4e-3)
+          << ior << ' ' << roughness << ' ' << cosine;
+      EXPECT_NEAR(eval_albedo(table.data(), row, cosine, first_polarized_albedo), right.polarized,
                   ior <= 2 ? 1e-3 : 1.4e-3)
           << ior << ' ' << roughness << ' ' << cosine;
     }
@@ -80,7 +84,7 @@ TEST(PhysicsSpecularAlbedo, TableOfWhiteMetal) {
     const float roughness = i % 2 == 0 ? u.x : u.x * u.x * u.x;
     const float cosine = i % 4 < 2 ? u.y : u.y * u.y * u.y + 1e-5f;
     EXPECT_NEAR(eval_albedo(table.data(), find_albedo_row(roughness, 0), cosine),
-                specular_albedo(white, static_cast<double>(roughness), static_cast<double>(cosine)),
+                specular_albedo(white, static_cast<double>(roughness), static_cast<double>(cosine)).all,
                 4e-3)
         << roughness << ' ' << cosine;
   }
@@ -111,8 +115,9 @@ TEST(PhysicsSpecularAlbedo, SmoothIsFresnelAndIorOneIsNothing) {
   for (int i = 1; i <= 50; ++i) {
     const float cosine = 0.02f * static_cast<float>(i);
     // Tails of the lobe of what counts as a mirror, and the table's error.
-    EXPECT_NEAR(eval_albedo(glass.data(), smooth, cosine),
-                mueller_of(fresnel_dielectric(cosine, 1.5f)).a, 2e-3)
+    const Mueller<float> mirror = mueller_of(fresnel_dielectric(cosine, 1.5f));
+    EXPECT_NEAR(eval_albedo(glass.data(), smooth, cosine), mirror.a, 2e-3) << cosine;
+    EXPECT_NEAR(eval_albedo(glass.data(), smooth, cosine, first_polarized_albedo), mirror.b, 2e-3)
         << cosine;
   }
   for (const float x : none) EXPECT_EQ(x, 0);

@@ -148,7 +148,7 @@ def fresnel(angle_deg: float, ior: float) -> tuple[float, float]:
 
 
 def leaf_polarisation(backend: str) -> Iterator[Check]:
-    """The degree of polarisation of a smooth leaf at Brewster's angle."""
+    """The degree of polarisation of a smooth leaf at Brewster's angle, and of white surfaces."""
     half = fresnel(np.degrees(np.arctan(1.5)), 1.5)[0] / 2
     for rho in (0.02, 0.06, 0.12):
         scene = omma.Scene(
@@ -160,11 +160,28 @@ def leaf_polarisation(backend: str) -> Iterator[Check]:
         degree = -each[:, 1] / each[:, 0]
         yield Check(
             f"leaf of ρ {rho} at Brewster's angle: degree of polarisation",
-            "(R_s/2)/(R_s/2 + ρ (1 − R_s/2))",
-            half / (half + rho * (1 - half)),
+            "(1 − ρ) (R_s/2)/(R_s/2 + ρ (1 − R_s/2))",
+            (1 - rho) * half / (half + rho * (1 - half)),
             degree.mean(),
             degree.std(ddof=1) / np.sqrt(len(degree)),
             # Where the mirror ends the degree has its maximum; the table dims the base.
+            ALBEDO_TABLE,
+            1.0,
+        )
+    for roughness in (0.0, 0.5):
+        scene = omma.Scene(
+            meshes=[square(2, (0, 0, 0), (0, 1, 0))],
+            materials=[matter(1.0, specular=1.0, ior=1.5, roughness=roughness)],
+        )
+        world = omma.World(scene, light=WHITE_SKY, polarized=True, backend=backend, lighting="path")
+        each = look_each(world, *slanted(60.0))[:, :2, 0]
+        degree = each[:, 1] / each[:, 0]
+        yield Check(
+            f"white gloss of roughness {roughness} at 60°, uniform light: Q over I",
+            "0",
+            0.0,
+            degree.mean(),
+            degree.std(ddof=1) / np.sqrt(len(degree)),
             ALBEDO_TABLE,
             1.0,
         )

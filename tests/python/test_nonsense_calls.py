@@ -429,6 +429,8 @@ def public_calls(folder):
         "band_error": (light, [green]),
         "natural_material": ("sand",),
         "refractive_index": ("gold",),
+        "water": {"kind": "IB", "wind_m_per_s": 2.0, "depth_m": 1.0, "bottom": "sand"},
+        "wave_roughness": (2.0,),
         "bands_to_rgb": (np.ones((5, len(light.bands))), light),
         "cie_relative_luminance": (1, 30.0, [10.0, 90.0]),
         "cie_sky": {"sky_type": 12, "sun_elevation_deg": 30.0, "bands": few},

@@ -54,6 +54,20 @@ def test_each_form_holds_the_same(tmp_path, form):
     assert found["red"] == omma.light.Spectrum([300, 500, 700], [0.03, 0.04, 0.61])
 
 
+def test_downloads_of_the_floral_reflectance_database(tmp_path):
+    """Lines of a flower's number, nm and a fraction, with a blank at their ends, as in
+    FReDflowerID_157.csv of the R package photobiologyInOut."""
+    lines = "157, 300, 0.0627119 \n157, 301, 0.0654036 \n157, 302, 0.0677941 \n"
+    found = quietly(written(tmp_path, lines), unit="fraction")
+    expected = omma.light.Spectrum([300, 301, 302], [0.0627119, 0.0654036, 0.0677941])
+    assert found == {"157": expected}
+    both = quietly(written(tmp_path, lines + lines.replace("157", "9")), unit="fraction")
+    assert list(both) == ["157", "9"]
+    assert both["9"] == both["157"] == expected
+    with pytest.raises(omma.Error, match=r"line 4: expected flower 9 at the wavelengths of flower"):
+        load_spectra(written(tmp_path, lines + "9, 300, 0.1\n9, 305, 0.1\n"))
+
+
 OCEAN = """Data from FLMS12345__0.txt Node
 
 Date: Mon Jun 21 12:00:00 CEST 2026

@@ -80,3 +80,67 @@ def light_at(depth_m, sine_water, absorption, scatterings, phases, index, photon
         along, depth, weight, batch = along[keep], depth[keep], weight[keep], batch[keep]
     found = tally * 16 / photons
     return found.mean(axis=0), found.std(axis=0, ddof=1) / 4
+
+
+def _mirrored(cos_water, index):
+    """The share of light from below that a level surface throws back."""
+    sine = index * np.sqrt(1 - cos_water**2)
+    cos_air = np.sqrt(np.maximum(1 - sine**2, 0))
+    across = ((cos_air - index * cos_water) / (cos_air + index * cos_water)) ** 2
+    along = ((index * cos_air - cos_water) / (index * cos_air + cos_water)) ** 2
+    return np.where(sine < 1, (across + along) / 2, 1.0)
+
+
+def light_leaving(
+    absorption, scatterings, phases, index, photons, *, sun_deg=None, depth_m=np.inf, albedo=0.0
+):
+    """Of water below a level surface that the sun at an elevation lights, or without one a sky that
+    is the same all over: what goes up over what goes down just below the surface; what comes out
+    over what falls on it; and pi times the radiance within 15° of the zenith over that. Three
+    means, and their standard errors.
+
+    albedo: of a matt bottom at the depth. The rest as of `light_at`.
+    """
+    random = np.random.default_rng(0)
+    total, scattering = absorption + sum(scatterings), sum(scatterings)
+    shares = [_angles_of(phase) for phase in phases]
+    batch = np.arange(photons) * 16 // photons
+    cos_air = np.sqrt(random.uniform(size=photons))
+    if sun_deg is not None:
+        cos_air[:] = np.sin(np.radians(sun_deg))
+    sine = np.sqrt(1 - cos_air**2) / index
+    along = np.stack([sine, -np.sqrt(1 - sine**2), np.zeros(photons)], axis=1)
+    weight = 1 - _mirrored(-along[:, 1], index)
+    depth = np.zeros(photons)
+    near = np.sqrt(1 - (np.sin(np.radians(15)) / index) ** 2)
+    tally = np.zeros((4, 16))  # down, up, out, out about the zenith
+    tally[0] += np.bincount(batch, weight, 16)
+    while len(depth):
+        end = depth - random.exponential(1 / total, len(depth)) * along[:, 1]
+        out, ground = end < 0, end > depth_m
+        hit = ~out & ~ground
+        depth = np.clip(end, 0, depth_m)
+        back = np.where(out, _mirrored(np.abs(along[:, 1]), index), 0.0)
+        tally[0] += np.bincount(batch, weight * back, 16)
+        tally[1] += np.bincount(batch, weight * out, 16)
+        tally[2] += np.bincount(batch, weight * out * (1 - back), 16)
+        tally[3] += np.bincount(batch, weight * out * (along[:, 1] > near) * (1 - back), 16)
+        weight = weight * np.where(out, back, np.where(ground, albedo, scattering / total))
+        which = random.uniform(0, scattering, len(depth)) < scatterings[0]
+        drawn = random.uniform(size=len(depth))
+        by = np.where(which, *(np.interp(drawn, one, ANGLES) for one in shares))
+        up, about = np.sqrt(drawn), random.uniform(0, 2 * np.pi, len(depth))
+        matt = np.stack(
+            [np.sqrt(1 - drawn) * np.cos(about), up, np.sqrt(1 - drawn) * np.sin(about)]
+        )
+        turned = _turn(along, by, random)
+        along = np.where(out[:, None], along * (1, -1, 1), along)
+        along = np.where(hit[:, None], turned, np.where(ground[:, None], matt.T, along))
+        keep = random.uniform(size=len(depth)) < np.minimum(weight / 0.05, 1)
+        weight = np.maximum(weight, 0.05)
+        along, depth, weight, batch = along[keep], depth[keep], weight[keep], batch[keep]
+    each = photons / 16
+    found = np.array(
+        [tally[1] / tally[0], tally[2] / each, tally[3] / each / np.sin(np.radians(15)) ** 2]
+    )
+    return found.mean(axis=1), found.std(axis=1, ddof=1) / 4

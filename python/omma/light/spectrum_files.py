@@ -66,9 +66,10 @@ def load_spectra(
     first) and one or more of values: comma, semicolon, tab or spaces between them, points or
     commas as decimal signs, with or without a line of names, after any lines of an instrument and
     lines that begin with #. So are CSV, tables of the R package pavo with or without row names, and
-    text files of Ocean Optics (">>>>>Begin Spectral Data<<<<<") and Avantes. Without names a
-    spectrum is called as the file, or "column 2" and so on. Wavelengths that all descend are turned
-    round.
+    text files of Ocean Optics (">>>>>Begin Spectral Data<<<<<") and Avantes, and downloads of the
+    Floral Reflectance Database (lines of a flower's number, by which its spectrum is called, a
+    wavelength and a value). Without names a spectrum is called as the file, or "column 2" and so
+    on. Wavelengths that all descend are turned round.
 
     Args:
         unit: "percent", divided by 100; "fraction"; "as_is", whatever the numbers are, such as an
@@ -150,6 +151,8 @@ def _read(path: PathLike) -> _Table:
         if len(found) != width:
             raise Error(f"{name}, line {n}: expected {width} numbers, found {len(found)}")
     numbers = np.array([found for _, _, found in parsed[first:]], np.float64)
+    if not above and _is_of_flowers(numbers):
+        return _of_flowers(name, numbers, np.array([n for n, _, _ in parsed[first:]]))
     at = _wavelength_column(name, names)
     order = [at, *(k for k in range(width) if k != at and names[k] != _ROW_NAMES)]
     chosen = [names[k] for k in order]
@@ -159,6 +162,28 @@ def _read(path: PathLike) -> _Table:
     if len(chosen) < 2:
         raise Error(f"{name}: expected a column of values beside the wavelengths, found none")
     return _Table(name, chosen, numbers[:, order], np.array([n for n, _, _ in parsed[first:]]))
+
+
+def _is_of_flowers(numbers: Floats) -> bool:
+    """Whether lines are the number of a flower, a wavelength and a value."""
+    if numbers.shape[1] != 3 or len(numbers) < 2 or numbers[0, 0] != numbers[1, 0]:
+        return False
+    return bool(np.all(np.mod(numbers[:, 0], 1) == 0) and numbers[:, 1].min() >= 100)
+
+
+def _of_flowers(path: str, numbers: Floats, lines: NDArray[np.int64]) -> _Table:
+    """Columns by the numbers of flowers, which all have the same wavelengths."""
+    flowers = list(dict.fromkeys(numbers[:, 0].tolist()))
+    rows = [np.flatnonzero(numbers[:, 0] == one) for one in flowers]
+    nm = numbers[rows[0], 1]
+    for one, own in zip(flowers, rows):
+        if not np.array_equal(numbers[own, 1], nm):
+            raise Error(
+                f"{path}, line {lines[own[0]]}: expected flower {one:g} at the wavelengths of "
+                f"flower {flowers[0]:g}, found others; expected a file for each"
+            )
+    columns = np.column_stack([nm, *(numbers[own, 2] for own in rows)])
+    return _Table(path, ["", *(f"{one:g}" for one in flowers)], columns, lines[rows[0]])
 
 
 # What a column of the numbers of rows, which R writes, is called here.

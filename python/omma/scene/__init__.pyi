@@ -34,6 +34,7 @@ from .solids import box, cylinder, disc, plane, sphere
 from .surfel_scenes import surfels
 from .trimesh_scenes import from_trimesh
 from .walls import corridor, drum
+from .water_surfaces import water, wave_roughness
 from .world import WorldInstance
 
 __all__ = [
@@ -83,5 +84,7 @@ __all__ = [
     "save_splats",
     "sphere",
     "surfels",
+    "water",
+    "wave_roughness",
     "with_reflectance",
 ]

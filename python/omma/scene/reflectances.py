@@ -64,7 +64,7 @@ def with_reflectance(
     one_of(name, dict.fromkeys(names), "name")
     for what, spectrum in (("reflectance", reflectance), ("transmittance", transmittance)):
         if spectrum is not None:
-            _check_reach(spectrum, what)
+            check_reach(spectrum, what)
     if at_luminance is not None:
         at_luminance = positive(at_luminance, "at_luminance")
         if plain:
@@ -93,7 +93,7 @@ def with_reflectance(
     return scene.replace(materials=materials, meshes=meshes)
 
 
-def _check_reach(spectrum: Spectrum, what: str) -> None:
+def check_reach(spectrum: Spectrum, what: str) -> None:
     first, last = spectrum.wavelength_nm[[0, -1]]
     if first > _VISIBLE_NM[0] or last < _VISIBLE_NM[1]:
         raise Error(

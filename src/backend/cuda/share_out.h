@@ -5,8 +5,8 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <future>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "backend/launches.h"
@@ -62,9 +62,9 @@ void share_out(std::span<const int> cards, std::span<Task> tasks, const Run& run
     }
   };
   {
-    std::vector<std::jthread> others;
+    std::vector<std::future<void>> others;  // the destructor of each waits for its end
     for (std::size_t k = 1; k < cards.size(); ++k)
-      if (!pieces[k].empty()) others.emplace_back(run_piece, k);
+      if (!pieces[k].empty()) others.push_back(std::async(std::launch::async, run_piece, k));
     run_piece(0);
   }
   for (const std::exception_ptr& error : errors)

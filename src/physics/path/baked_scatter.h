@@ -72,10 +72,12 @@ OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L
         store(flight.radiance + at, load<F>(flight.radiance + at) + sent);
         continue;
       }
+      const Stokes<F> seen = load_mueller<L>(scene, flight.state, memory, b, l) *
+                             scattering.diffuse[l / L::width];
+      const F of_eye[3] = {seen.i, seen.q, seen.u};
       for (int p = 0; p < 3; ++p) {
         float* const to = flight.radiance + p * stride + at;
-        const float* const path = mueller_in<L>(scene, flight.state, memory, 3 * p, b);
-        store(to, load<F>(to) + keep(scatters, load<F>(path + l) * sent));
+        store(to, load<F>(to) + keep(scatters, of_eye[p] * sent));
       }
     }
   }

@@ -53,9 +53,10 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
                                   dielectric.b * tint + coat.b + metal.b,
                                   dielectric.c * tint + coat.c + metal.c};
         const Stokes<F> out = after * (mirrored * s);
-        store(light + at, out.i + diffuse_lobes(lobes, color) * i);
-        store(light + stride + at, out.q);
-        store(light + 2 * stride + at, out.u);
+        const F diffuse = diffuse_lobes(lobes, color) * i;
+        store(light + at, out.i + diffuse);
+        store(light + stride + at, out.q + diffuse * load<F>(by.diffuse_q + l));
+        store(light + 2 * stride + at, out.u + diffuse * load<F>(by.diffuse_u + l));
       }
     });
   }
@@ -82,6 +83,7 @@ struct ScatteringPacket {
   using F = typename L::F;
   static constexpr int vectors = L::count / L::width;
   ScatterPoint<F> point[vectors];
+  Stokes<F> diffuse[vectors];     // of the diffuse lobes' light, I 1, by the rays' own axes
   F weight[vectors][lobe_count];  // probability of each lobe for the way on
   alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
   LaneMask<L> samples_all;        // whose light is sampled of SceneView::all_lights
@@ -98,6 +100,14 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     const int v = l / L::width;
     ScatterPoint<F>& point = scattering.point[v];
     point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
+    scattering.diffuse[v] = {broadcast<F>(1.0f), F{}, F{}};
+    if (scene.polarized) {
+      const auto own = load_vector<F>(flight.packet.reference, l);
+      const Vector3<F> s = reflection_axis(point.direction, point.normal, own);
+      scattering.diffuse[v] =
+          frame_turn(own, cross(point.direction, own), s) *
+          Stokes<F>{broadcast<F>(1.0f), diffuse_polarization(point), F{}};
+    }
     const auto table = boundary_of(scene, surface, l);
     store(scattering.boundary + l, table);
     // By what all bands get of each lobe.
@@ -158,6 +168,8 @@ OMMA_HD_CALLED void scatter_light_samples(const ScatteringPacket<L>& scattering,
     store(direct.dielectric[0] + l, seen.dielectric.a * by_dielectric);
     store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
     store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
+    store(direct.diffuse_q + l, scattering.diffuse[v].q);
+    store(direct.diffuse_u + l, scattering.diffuse[v].u);
     store(direct.metal + l, seen.metal * by_metal);
     store(direct.metal_gain + l, scattering.point[v].metal_gain);
     store(direct.schlick + l, seen.schlick);
@@ -200,6 +212,8 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
     store(sample.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
     store(sample.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
     store(sample.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
+    store(sample.by.diffuse_q + l, scattering.diffuse[v].q);
+    store(sample.by.diffuse_u + l, scattering.diffuse[v].u);
     store(sample.by.metal + l, of_lobe(Lobe::metal, found.metal));
     store(sample.by.metal_gain + l, point.metal_gain);
     store(sample.by.schlick + l, found.schlick);
@@ -287,13 +301,14 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
     const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;
     const F one = broadcast<F>(1.0f);
     const Mueller<F> mirror{one, is_metal ? F{} : b, is_metal ? 0.0f - one : c};
+    const Stokes<F> leaving{one, load<F>(by.diffuse_q + l), load<F>(by.diffuse_u + l)};
     const FrameTurn<F> turn = frame_turn(own, across, s);
     const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric);
     const auto is_straight = is(Lobe::straight) || is_by;
     const auto lengthen = [&](const Mueller3<F>& before, const Mueller<F>& by_mirror,
                               const auto& keep_at) {
       const Mueller3<F> mirrored = before * turn * by_mirror;
-      const Mueller3<F> diffuse = depolarized(before);
+      const Mueller3<F> diffuse = depolarized(before, leaving);
       for (int k = 0; k < 9; ++k) {
         const int r = k / 3, q = k % 3;
         const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];

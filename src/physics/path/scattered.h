@@ -18,6 +18,7 @@ struct Scattered {
   alignas(n * 4) float metal[n], metal_gain[n];
   alignas(n * 4) float schlick[n], half_cosine[n];
   alignas(n * 4) float coat[3][n];
+  alignas(n * 4) float diffuse_q[n], diffuse_u[n];  // Q, U over I of the diffuse lobes' light
   alignas(n * 4) std::int32_t boundary[n];  // how the metal reflects, boundary_of
 };
 

@@ -106,7 +106,7 @@ OMMA_HD Mueller3<F> identity_mueller() {
 }
 
 // The path lengthened at its far end: by a frame's turn, by a reflection, by a surface whose light
-// is unpolarised whatever falls on it.
+// is polarised the same whatever falls on it.
 template <typename F>
 OMMA_HD Mueller3<F> operator*(const Mueller3<F>& path, const FrameTurn<F>& turn) {
   Mueller3<F> out;
@@ -132,20 +132,17 @@ OMMA_HD Mueller3<F> operator*(const Mueller3<F>& path, const Mueller<F>& reflect
 }
 
 template <typename F>
-OMMA_HD Mueller3<F> depolarized(const Mueller3<F>& path) {
-  const F zero = broadcast<F>(0.0f);
-  Mueller3<F> out;
-  for (int r = 0; r < 3; ++r) {
-    out.m[r][0] = path.m[r][0];
-    out.m[r][1] = out.m[r][2] = zero;
-  }
-  return out;
-}
-
-template <typename F>
 OMMA_HD Stokes<F> operator*(const Mueller3<F>& path, const Stokes<F>& s) {
   const auto row = [&](const F(&m)[3]) { return m[0] * s.i + m[1] * s.q + m[2] * s.u; };
   return {row(path.m[0]), row(path.m[1]), row(path.m[2])};
+}
+
+// `leaving`: what leaves the surface for each I that falls on it, of I 1.
+template <typename F>
+OMMA_HD Mueller3<F> depolarized(const Mueller3<F>& path, const Stokes<F>& leaving) {
+  const Stokes<F> seen = path * leaving;
+  const F zero = broadcast<F>(0.0f);
+  return {{{seen.i, zero, zero}, {seen.q, zero, zero}, {seen.u, zero, zero}}};
 }
 
 // The axis s of a reflection that takes the ray `before` to the ray `after`, unit; where light goes

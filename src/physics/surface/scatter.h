@@ -13,8 +13,10 @@
 // the coupling of Kelemen and Szirmay-Kalos 2001 (A Microfacet Based Coupled Specular-Matte BRDF
 // Model): of uniform light the base returns rho (1 - E(o)). So whatever E is, all together is
 // E(o) + (rho + tau) (1 - E(o)). A coat dims what is below it by 1 - E of its own on both ways, and
-// keeps the rest; its normal may be another than theirs. Light from the base counts as unpolarised, though on its way out through a smooth
-// boundary of ior 1.5 it is polarised by 0.04 at 45 deg.
+// keeps the rest; its normal may be another than theirs.
+//
+// Light that leaves the base is unpolarised below the boundary, which lets more of it out in the
+// plane of exit than across it: diffuse_polarization. What gets in is counted as if unpolarised.
 //
 // Light that facets pass to each other before it leaves: of a dielectric it counts to the base. A
 // metal's lobe is made larger by what a white one lacks, its albedo being E: by 1 + f0 (1 - E(o)) /
@@ -195,6 +197,20 @@ template <typename F>
 OMMA_HD F size_of_cosine(F x) {
   const F size = x < 0.0f ? -x : x;
   return size < 1.0f ? size : broadcast<F>(1.0f);
+}
+
+// Q / I of diffuse light that leaves through the boundary, with the axis s across the plane of view
+// and normal: -Q(o) / (1 - E(o)). It takes off what the boundary polarises of uniform light, so
+// that a white surface leaves such light unpolarised, as thermodynamics asks. Of a smooth boundary
+// it is (T_s - T_p) / (T_s + T_p) of what gets out (Wolff and Boult 1991, Constraining object
+// features using a polarization reflectance model).
+template <typename F>
+OMMA_HD F diffuse_polarization(const ScatterPoint<F>& p) {
+  const AlbedoRow<F>& row = p.boundary.row;
+  const F kept = 1.0f - p.specular * eval_albedo(p.albedo_tables, row, p.o.z);
+  const F polarized =
+      p.specular * eval_albedo(p.albedo_tables, row, p.o.z, first_polarized_albedo);
+  return 0.0f - polarized / (kept > 1e-3f ? kept : broadcast<F>(1e-3f));
 }
 
 // What the boundary and the coat let in to the base of light from a direction w, at cos_w to the

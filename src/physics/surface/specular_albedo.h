@@ -1,12 +1,13 @@
 // How much of the light from all sides a rough dielectric's boundary sends towards the viewer, or,
 // which is the same, how much of a narrow beam it reflects: the directional albedo E of its lobe
-// (microfacet.h with Fresnel's reflectance). The rest goes in, and comes out diffusely. A table for
-// each ior (backend/albedo_tables.h), read in lanes.
+// (microfacet.h with Fresnel's reflectance). The rest goes in, and comes out diffusely. And Q, how
+// polarised light is that is reflected so from all sides: across the plane of view and normal less
+// in it, as a fraction of the light. A table for each ior (backend/albedo_tables.h), read in lanes.
 //
 // Near grazing angles E changes where the cosine is about alpha. So a row's nodes are even in
 // log(1 + cosine / alpha), and rows in the fourth root of the roughness, from that of a mirror on:
-// linear between, within 1e-3 for any ior up to 2, 1.4e-3 up to 3 and
-// 4e-3 of facets that reflect all, a white metal's (tests/cpp/physics_specular_albedo.cpp).
+// linear between, within 1e-3 for any ior up to 2, 1.4e-3 up to 3, and E within 4e-3 of facets that
+// reflect all, a white metal's (tests/cpp/physics_specular_albedo.cpp).
 #pragma once
 
 #include "physics/surface/microfacet.h"
@@ -14,9 +15,10 @@
 namespace omma {
 
 inline constexpr int albedo_rows = 32, albedo_cosines = 64;
-// [row][cosine][E, how much more it is at the next node], then [row][mean of E over cosines, how
-// much more it is in the next row].
-inline constexpr int albedo_floats = (albedo_rows * albedo_cosines + albedo_rows) * 2;
+// [row][cosine][E, how much more it is at the next node], [row][mean of E over cosines, how much
+// more it is in the next row], and Q as E.
+inline constexpr int first_polarized_albedo = albedo_rows * albedo_cosines + albedo_rows;
+inline constexpr int albedo_floats = (2 * albedo_rows * albedo_cosines + albedo_rows) * 2;
 
 // Where a roughness is, in one of some tables that lie one behind the other.
 template <typename F>
@@ -44,14 +46,14 @@ OMMA_HD AlbedoRow<F> find_albedo_row(F roughness, decltype(to_int(F{})) table) {
   return at;
 }
 
-// E at a cosine in [0, 1].
+// E at a cosine in [0, 1]; of Q from first_polarized_albedo on.
 template <typename F>
-OMMA_HD F eval_albedo(const float* tables, const AlbedoRow<F>& at, F cosine) {
+OMMA_HD F eval_albedo(const float* tables, const AlbedoRow<F>& at, F cosine, int first = 0) {
   const F place = at.scale * log_lanes(1.0f + at.per_alpha * cosine);
   auto node = to_int(place);
   node = node < albedo_cosines - 2 ? node : node * 0 + (albedo_cosines - 2);
   const F part = place - to_float(node);
-  const auto index = at.table * (albedo_floats / 2) + at.row * albedo_cosines + node;
+  const auto index = at.table * (albedo_floats / 2) + at.row * albedo_cosines + node + first;
   const Pair<F> a = gather_pair(tables, index), b = gather_pair(tables, index + albedo_cosines);
   const F here = a.first + part * a.second, next = b.first + part * b.second;
   return here + at.part * (next - here);
