@@ -138,7 +138,7 @@ TEST(PhysicsScatter, LanesAgree) {
       EXPECT_EQ(v.dielectric.a, value.dielectric.a[l]);
       EXPECT_EQ(v.dielectric.c, value.dielectric.c[l]);
       EXPECT_EQ(v.metal, value.metal[l]);
-      EXPECT_EQ(v.schlick, value.schlick[l]);
+      EXPECT_EQ(v.half_cosine, value.half_cosine[l]);
       EXPECT_EQ(v.coat.b, value.coat.b[l]);
       EXPECT_EQ(pdf_scatter(k, v), pdf[l]);
       EXPECT_EQ(p.straight, point.straight[l]);

@@ -117,7 +117,7 @@ inline float eval_lobe(Lobe lobe, const ScatterValue<float>& v, float f0, float 
     case Lobe::dielectric:
       return v.dielectric.a;
     case Lobe::metal:
-      return v.metal * metal_color(f0, v.schlick, gain);
+      return v.metal * metal_color(f0, schlick_weight(v.half_cosine), gain);
     case Lobe::coat:
       return v.coat.a;
     case Lobe::straight:

@@ -72,8 +72,9 @@ OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L
         store(flight.radiance + at, load<F>(flight.radiance + at) + sent);
         continue;
       }
-      const Stokes<F> seen = load_mueller<L>(scene, flight.state, memory, b, l) *
-                             scattering.diffuse[l / L::width];
+      const int v = l / L::width;
+      const Stokes<F> leaving{broadcast<F>(1.0f), scattering.diffuse_q[v], scattering.diffuse_u[v]};
+      const Stokes<F> seen = load_mueller<L>(scene, flight.state, memory, b, l) * leaving;
       const F of_eye[3] = {seen.i, seen.q, seen.u};
       for (int p = 0; p < 3; ++p) {
         float* const to = flight.radiance + p * stride + at;

@@ -158,8 +158,8 @@ OMMA_HD_CALLED void eval_lights(const Flight<L, Search>& flight, const HitGeomet
 // `scattered`: how they scatter it, weighed and over its density.
 template <typename L, typename Search>
 OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry<L>& geometry,
-                              const LightSamples<L>& lights, const Scattered<L>& scattered,
-                              LaneMask<L> scattering) {
+                              const LightSamples<L>& lights, const ScatteringPacket<L>& points,
+                              const Scattered<L>& scattered, LaneMask<L> scattering) {
   using F = typename L::F;
   constexpr int n = L::count;
   const SceneView& scene = flight.scene;
@@ -188,7 +188,7 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   // f cos θ w / p, and on to the eye. Scattered, light is by the rays' own axes.
   alignas(n * 4) float axis[3][n] = {};
   if (scene.polarized) vertical_axes<L>(lights.direction, axis);
-  scatter_light(flight, scattered, lights.direction, axis, flight.memory.light);
+  scatter_light(flight, points, scattered, lights.direction, axis, flight.memory.light);
   add_light(flight, visible, flight.packet.reference, flight.memory.light);
 }
 
@@ -202,7 +202,7 @@ OMMA_HD_CALLED void add_light_samples(const Flight<L, Search>& flight, const Lig
   Scattered<L> scattered;
   sample_lights(flight, light, geometry, scattering, lights);
   scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, scattered);
-  add_direct_light(flight, geometry, lights, scattered, scattering);
+  add_direct_light(flight, geometry, lights, points, scattered, scattering);
 }
 
 }  // namespace omma

@@ -103,11 +103,12 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on,
                                    const HitGeometry<L>& geometry,
+                                   const ScatteringPacket<L>& points,
                                    const ScatteringSample<L>& sample) {
   using F = typename L::F;
   using I = typename L::I;
   alignas(L::count * 4) float most[L::count];
-  update_throughput(flight, sample, most);
+  update_throughput(flight, points, sample, most);
   on &= lanes_where<L>([&](int l) {
     const I lobe = load<I>(sample.lobe + l);
     return lobe == let_by ||
@@ -134,7 +135,7 @@ OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMa
   by.for_each([&](int l) { sample.lobe[l] = let_by; });
   if (has_air(flight.scene) && flight.passed != nullptr)
     undo_air(flight, on & goes_straight<L>(sample));
-  return continue_paths(flight, on, geometry, sample);
+  return continue_paths(flight, on, geometry, points, sample);
 }
 
 // One flight of the paths of some lanes: adds what they find to the radiance, and returns the lanes

@@ -9,10 +9,23 @@
 
 namespace omma {
 
+// The surfaces that a packet met, as they scatter light.
+template <typename L>
+struct ScatteringPacket {
+  using F = typename L::F;
+  static constexpr int vectors = L::count / L::width;
+  ScatterPoint<F> point[vectors];
+  F diffuse_q[vectors], diffuse_u[vectors];  // Q, U over I of the diffuse lobes' light
+  F weight[vectors][lobe_count];  // probability of each lobe for the way on
+  alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
+  LaneMask<L> samples_all;        // whose light is sampled of SceneView::all_lights
+};
+
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
 template <typename L, typename Search>
-OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scattered<L>& by,
+OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight,
+                                  const ScatteringPacket<L>& points, const Scattered<L>& by,
                                   const float (&w)[3][L::count], const float (&axis)[3][L::count],
                                   float* light) {
   using F = typename L::F;
@@ -36,7 +49,7 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
       before = frame_turn(s, cross(from, s), theirs);
       after = frame_turn(own, cross(d, own), s);
     }
-    with_metal_lobe(scene, by, l, [&](const auto& metal_in) {
+    with_metal_lobe(scene, points.boundary, by, l, [&](const auto& metal_in) {
       for (int b = 0; b < scene.bands; ++b) {
         const int at = b * L::count + l;
         const BandColor<F> color = load_color<L>(memory, at);
@@ -55,8 +68,8 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight, const Scatter
         const Stokes<F> out = after * (mirrored * s);
         const F diffuse = diffuse_lobes(lobes, color) * i;
         store(light + at, out.i + diffuse);
-        store(light + stride + at, out.q + diffuse * load<F>(by.diffuse_q + l));
-        store(light + 2 * stride + at, out.u + diffuse * load<F>(by.diffuse_u + l));
+        store(light + stride + at, out.q + diffuse * points.diffuse_q[l / L::width]);
+        store(light + 2 * stride + at, out.u + diffuse * points.diffuse_u[l / L::width]);
       }
     });
   }
@@ -77,18 +90,6 @@ struct ScatteringSample {
   LaneMask<L> samples_all;  // as ScatteringPacket's
 };
 
-// The surfaces that a packet met, as they scatter light.
-template <typename L>
-struct ScatteringPacket {
-  using F = typename L::F;
-  static constexpr int vectors = L::count / L::width;
-  ScatterPoint<F> point[vectors];
-  Stokes<F> diffuse[vectors];     // of the diffuse lobes' light, I 1, by the rays' own axes
-  F weight[vectors][lobe_count];  // probability of each lobe for the way on
-  alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
-  LaneMask<L> samples_all;        // whose light is sampled of SceneView::all_lights
-};
-
 template <typename L, typename Search>
 OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
                                     LaneMask<L> reads_baked, ScatteringPacket<L>& scattering) {
@@ -100,13 +101,13 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     const int v = l / L::width;
     ScatterPoint<F>& point = scattering.point[v];
     point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
-    scattering.diffuse[v] = {broadcast<F>(1.0f), F{}, F{}};
     if (scene.polarized) {
       const auto own = load_vector<F>(flight.packet.reference, l);
       const Vector3<F> s = reflection_axis(point.direction, point.normal, own);
-      scattering.diffuse[v] =
-          frame_turn(own, cross(point.direction, own), s) *
-          Stokes<F>{broadcast<F>(1.0f), diffuse_polarization(point), F{}};
+      const Stokes<F> seen = frame_turn(own, cross(point.direction, own), s) *
+                             Stokes<F>{broadcast<F>(1.0f), diffuse_polarization(point), F{}};
+      scattering.diffuse_q[v] = seen.q;
+      scattering.diffuse_u[v] = seen.u;
     }
     const auto table = boundary_of(scene, surface, l);
     store(scattering.boundary + l, table);
@@ -168,13 +169,9 @@ OMMA_HD_CALLED void scatter_light_samples(const ScatteringPacket<L>& scattering,
     store(direct.dielectric[0] + l, seen.dielectric.a * by_dielectric);
     store(direct.dielectric[1] + l, seen.dielectric.b * by_dielectric);
     store(direct.dielectric[2] + l, seen.dielectric.c * by_dielectric);
-    store(direct.diffuse_q + l, scattering.diffuse[v].q);
-    store(direct.diffuse_u + l, scattering.diffuse[v].u);
     store(direct.metal + l, seen.metal * by_metal);
     store(direct.metal_gain + l, scattering.point[v].metal_gain);
-    store(direct.schlick + l, seen.schlick);
     store(direct.half_cosine + l, seen.half_cosine);
-    store(direct.boundary + l, load<typename L::I>(scattering.boundary + l));
     store(direct.coat[0] + l, seen.coat.a * by_coat);
     store(direct.coat[1] + l, seen.coat.b * by_coat);
     store(direct.coat[2] + l, seen.coat.c * by_coat);
@@ -212,13 +209,9 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
     store(sample.by.dielectric[0] + l, of_lobe(Lobe::dielectric, found.dielectric.a));
     store(sample.by.dielectric[1] + l, of_lobe(Lobe::dielectric, found.dielectric.b));
     store(sample.by.dielectric[2] + l, of_lobe(Lobe::dielectric, found.dielectric.c));
-    store(sample.by.diffuse_q + l, scattering.diffuse[v].q);
-    store(sample.by.diffuse_u + l, scattering.diffuse[v].u);
     store(sample.by.metal + l, of_lobe(Lobe::metal, found.metal));
     store(sample.by.metal_gain + l, point.metal_gain);
-    store(sample.by.schlick + l, found.schlick);
     store(sample.by.half_cosine + l, found.half_cosine);
-    store(sample.by.boundary + l, load<typename L::I>(scattering.boundary + l));
     store(sample.by.coat[0] + l, of_lobe(Lobe::coat, found.coat.a));
     store(sample.by.coat[1] + l, of_lobe(Lobe::coat, found.coat.b));
     store(sample.by.coat[2] + l, of_lobe(Lobe::coat, found.coat.c));
@@ -259,8 +252,8 @@ OMMA_HD void lengthen_by_band(const SceneView& scene, PathState<L>& state,
 // Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the
 // largest throughput of a path's bands.
 template <typename L, typename Search>
-OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringSample<L>& sample,
-                               float* most) {
+OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringPacket<L>& points,
+                               const ScatteringSample<L>& sample, float* most) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
   Packet<L>& packet = flight.packet;
@@ -273,7 +266,7 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
     const I lobe = load<I>(sample.lobe + l);
     const auto is_by = lobe == let_by;
     F largest{};
-    with_metal_lobe(scene, by, l, [&](const auto& metal_in) {
+    with_metal_lobe(scene, points.boundary, by, l, [&](const auto& metal_in) {
       for (int b = 0; b < scene.bands; ++b) {
         const int at = b * L::count + l;
         const BandColor<F> color = load_color<L>(memory, at);
@@ -301,7 +294,7 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
     const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;
     const F one = broadcast<F>(1.0f);
     const Mueller<F> mirror{one, is_metal ? F{} : b, is_metal ? 0.0f - one : c};
-    const Stokes<F> leaving{one, load<F>(by.diffuse_q + l), load<F>(by.diffuse_u + l)};
+    const Stokes<F> leaving{one, points.diffuse_q[l / L::width], points.diffuse_u[l / L::width]};
     const FrameTurn<F> turn = frame_turn(own, across, s);
     const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric);
     const auto is_straight = is(Lobe::straight) || is_by;
@@ -319,7 +312,7 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
       lengthen(load_mueller(state, l), mirror,
                [&](int k, F x) { store(state.mueller[k] + l, x); });
     } else {
-      const BoundaryPlace<F> at = load_boundary(scene, by, l);
+      const BoundaryPlace<F> at = load_boundary(scene, points.boundary, by, l);
       lengthen_by_band(scene, state, memory, l,
                        [&](const Mueller3<F>& path, int band, const auto& keep_at) {
                          lengthen(path, band_mirror(scene.boundaries, at, is_metal, mirror, band),

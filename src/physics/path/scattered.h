@@ -16,10 +16,8 @@ struct Scattered {
   alignas(n * 4) float reflected[n], transmitted[n];  // of reflectance and transmittance
   alignas(n * 4) float dielectric[3][n];              // a, b, c of its Mueller matrix, of the tint
   alignas(n * 4) float metal[n], metal_gain[n];
-  alignas(n * 4) float schlick[n], half_cosine[n];
+  alignas(n * 4) float half_cosine[n];  // ScatterValue's
   alignas(n * 4) float coat[3][n];
-  alignas(n * 4) float diffuse_q[n], diffuse_u[n];  // Q, U over I of the diffuse lobes' light
-  alignas(n * 4) std::int32_t boundary[n];  // how the metal reflects, boundary_of
 };
 
 // The same of the lanes that go at once from l on, without what polarises.
@@ -32,15 +30,17 @@ template <typename L>
 OMMA_HD LobeValues<typename L::F> load_lobes(const Scattered<L>& by, int l) {
   using F = typename L::F;
   return {load<F>(by.reflected + l), load<F>(by.transmitted + l), load<F>(by.dielectric[0] + l),
-          load<F>(by.metal + l),     load<F>(by.metal_gain + l),  load<F>(by.schlick + l),
-          load<F>(by.coat[0] + l)};
+          load<F>(by.metal + l),     load<F>(by.metal_gain + l),
+          schlick_weight(load<F>(by.half_cosine + l)), load<F>(by.coat[0] + l)};
 }
 
-// Where the metals of those lanes lie in SceneView::boundaries, of which there are some.
+// Where the metals of those lanes lie in SceneView::boundaries, of which there are some. `tables`
+// [lane]: boundary_of.
 template <typename L>
-OMMA_HD BoundaryPlace<typename L::F> load_boundary(const SceneView& scene, const Scattered<L>& by,
-                                                   int l) {
-  return find_boundary(scene.bands, load<typename L::I>(by.boundary + l),
+OMMA_HD BoundaryPlace<typename L::F> load_boundary(const SceneView& scene,
+                                                   const std::int32_t* tables,
+                                                   const Scattered<L>& by, int l) {
+  return find_boundary(scene.bands, load<typename L::I>(tables + l),
                        load<typename L::F>(by.half_cosine + l));
 }
 
@@ -87,8 +87,8 @@ OMMA_HD Mueller<F> metal_lobe(const LobeValues<F>& by, const BandColor<F>& color
 // Calls `each` with a function of LobeValues, BandColor and a band that gives a metal's lobe: by
 // itself where there are no tables, so that loops over bands are as fast as without.
 template <typename L, typename Each>
-OMMA_HD void with_metal_lobe(const SceneView& scene, const Scattered<L>& by, int l,
-                             const Each& each) {
+OMMA_HD void with_metal_lobe(const SceneView& scene, const std::int32_t* boundary,
+                             const Scattered<L>& by, int l, const Each& each) {
   using F = typename L::F;
   if (scene.boundaries == nullptr) {
     each([](const LobeValues<F>& lobes, const BandColor<F>& color, int) {
@@ -97,7 +97,7 @@ OMMA_HD void with_metal_lobe(const SceneView& scene, const Scattered<L>& by, int
     return;
   }
   const float* const tables = scene.boundaries;
-  const BoundaryPlace<F> at = load_boundary(scene, by, l);
+  const BoundaryPlace<F> at = load_boundary(scene, boundary, by, l);
   each([&](const LobeValues<F>& lobes, const BandColor<F>& color, int band) {
     return metal_lobe(lobes, color, tables, at, band);
   });

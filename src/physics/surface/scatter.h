@@ -102,7 +102,6 @@ struct ScatterValue {
   F diffuse_transmission;  // where tau is 1
   Mueller<F> dielectric;   // in the axes s of reflection_axis
   F metal;                 // times metal_color, or a table of its own (boundary_table.h)
-  F schlick;
   F half_cosine;  // between the half vector of that boundary and the viewer
   Mueller<F> coat;
   F cosine;  // between w and the base's normal
@@ -265,7 +264,6 @@ OMMA_HD ScatterValue<F> eval_scatter(const ScatterPoint<F>& p, const Vector3<F>&
   value.dielectric =
       mueller_of(fresnel_dielectric(half.cosine, p.ior)) * (p.dielectric * of_mirrors);
   value.metal = p.metal * of_mirrors;
-  value.schlick = schlick_weight(half.cosine);
   value.half_cosine = half.cosine;
   return value;
 }
