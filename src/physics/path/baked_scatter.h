@@ -50,8 +50,8 @@ OMMA_HD LaneMask<L> find_read(const Flight<L, Search>& flight, const BakedLookup
 // Adds what the diffuse lobes of some lanes' surfaces send to the eye: no light is sampled for
 // them.
 template <typename L, typename Search>
-OMMA_HD void add_baked(const Flight<L, Search>& flight, const ScatteringPacket<L>& scattering,
-                       LaneMask<L> lanes) {
+OMMA_HD_CALLED void add_baked(const Flight<L, Search>& flight,
+                              const ScatteringPacket<L>& scattering, LaneMask<L> lanes) {
   using F = typename L::F;
   constexpr int n = L::count;
   const SceneView& scene = flight.scene;
