@@ -207,6 +207,8 @@ def test_what_is_refused():
         ([(-1, 1.5)], "layers[0] thickness: expected 0 to 100000, found -1"),
         ([(100, 1.5 - 0.1j)], "layers[0] index: expected n + ik, neither below 0"),
         ([(100, 0)], "layers[0] index: expected n + ik"),
+        ([(100, 1e150)], "layers[0] index: expected n + ik"),
+        ([(100, [[400, 1.5], [500, 1e9]])], "layers[0] index: expected n and k"),
         ([(100, np.nan)], "layers[0] index: expected n + ik"),
         ([(100, [[400, 1.5]])], "layers[0] index: expected 2 or more wavelengths"),
         ([(100, [[500, 1.5], [400, 1.5]])], "layers[0] index: expected 2 or more wavelengths"),
@@ -223,7 +225,7 @@ def test_what_is_refused():
         LayerStack(spread=0.5)
     with pytest.raises(omma.Error, match="angle_deg: expected 0 to 90"):
         film.mueller(500, 91)
-    with pytest.raises(omma.Error, match="wavelength_nm: expected wavelengths above 0"):
+    with pytest.raises(omma.Error, match="wavelength_nm: expected 10 to 100,000 nm"):
         film.mueller(0, 0)
     with pytest.raises(omma.Error, match="did you mean 'gold'"):
         refractive_index("goldd")

@@ -33,6 +33,9 @@ _COSINES = 129
 _STEP_NM = 2.0
 _MOST_NM = 1e5
 _MOST_SPREAD = 0.2
+# Of |n + ik|, and wavelengths: wider than those of any matter and light that animals see.
+_SIZES = (0.01, 100)
+_WAVELENGTHS_NM = (10, 100_000)
 # Thicknesses are averaged over so many standard deviations on both sides.
 _REACH = 4.0
 _POINTS_AT_ONCE = 1 << 12
@@ -64,8 +67,8 @@ class LayerStack:
         scales and cuticles are not all alike. Reflectances are averaged over it, Gaussian.
 
     Raises:
-        omma.Error: thicknesses that are not 0 to 100,000 nm, indices that are not finite or have a
-            negative part, a spread out of range.
+        omma.Error: thicknesses that are not 0 to 100,000 nm, indices with a part below 0 or of a
+            size that is not 0.01 to 100, a spread out of range.
 
     Example:
         >>> film = omma.scene.LayerStack([(200, 1.55)], substrate=1.0)
@@ -105,7 +108,7 @@ class LayerStack:
         of incidence (s), a - b of light that swings in it (p), c is Re(r_s r_p*).
 
         Args:
-            wavelength_nm: (W,) or a number, above 0.
+            wavelength_nm: (W,) or a number, 10 to 100,000.
             angle_deg: (A,) or a number, from the normal, 0 to 90.
 
         Raises:
@@ -113,8 +116,7 @@ class LayerStack:
         """
         nm = np.atleast_1d(array_of(wavelength_nm, "wavelength_nm", [(), (None,)], finite=True))
         angle = np.atleast_1d(array_of(angle_deg, "angle_deg", [(), (None,)], finite=True))
-        if not np.all(nm > 0):
-            raise Error("wavelength_nm: expected wavelengths above 0")
+        _check_wavelengths(nm)
         if not np.all((angle >= 0) & (angle <= 90)):
             raise Error("angle_deg: expected 0 to 90")
         return self._mueller(nm, np.cos(np.radians(angle)))
@@ -134,8 +136,7 @@ class LayerStack:
             nm = np.arange(300.0, 700.0 + _STEP_NM / 2, _STEP_NM)
         else:
             nm = array_of(wavelength_nm, "wavelength_nm", (None,), finite=True)
-            if not np.all(nm > 0):
-                raise Error("wavelength_nm: expected wavelengths above 0")
+            _check_wavelengths(nm)
         return BoundaryTable(nm, self._mueller(nm, np.linspace(0, 1, _COSINES)))
 
     @checked
@@ -150,13 +151,14 @@ class LayerStack:
         Raises:
             omma.Error: a roughness that is not 0 to 1.
         """
+        roughness = within(roughness, "roughness", 0, 1)
         nm = np.arange(400.0, 701.0, 5.0)
         color = linear_srgb(nm, self.mueller(nm, 0)[:, 0, 0])
         return Material(
             name,
             base_color=color,
             metallic=1,
-            roughness=within(roughness, "roughness", 0, 1),
+            roughness=roughness,
             boundary=self.boundary(),
         )
 
@@ -224,17 +226,31 @@ def _indices() -> dict[str, Floats]:
     return {name: np.array(rows) for name, rows in found.items()}
 
 
+def _check_wavelengths(nm: Floats) -> None:
+    if not np.all((nm >= _WAVELENGTHS_NM[0]) & (nm <= _WAVELENGTHS_NM[1])):
+        raise Error(
+            f"wavelength_nm: expected {_WAVELENGTHS_NM[0]:,} to {_WAVELENGTHS_NM[1]:,} nm"
+        )
+
+
 def _checked_index(given: Any, name: str) -> Index:
     if isinstance(given, numbers.Complex) and not isinstance(given, bool):
         index = complex(given)
-        if not (np.isfinite(index) and index.real >= 0 and index.imag >= 0 and index != 0):
-            raise Error(f"{name}: expected n + ik, neither below 0, found {given!r:.40}")
+        if not (index.real >= 0 and index.imag >= 0 and _SIZES[0] <= abs(index) <= _SIZES[1]):
+            raise Error(
+                f"{name}: expected n + ik, neither below 0, of a size of {_SIZES[0]} to "
+                f"{_SIZES[1]}, found {given!r:.40}"
+            )
         return index if index.imag else index.real
     table: Floats = array_of(given, name, [(None, 2), (None, 3)], finite=True).copy()
     if len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0) or table[0, 0] <= 0:
         raise Error(f"{name}: expected 2 or more wavelengths that ascend")
-    if np.any(table[:, 1:] < 0) or not np.all(np.any(table[:, 1:] > 0, axis=1)):
-        raise Error(f"{name}: expected n and k that are not below 0, nor both 0")
+    size = np.linalg.norm(table[:, 1:], axis=1)
+    if np.any(table[:, 1:] < 0) or np.any((size < _SIZES[0]) | (size > _SIZES[1])):
+        raise Error(
+            f"{name}: expected n and k that are not below 0, n + ik of a size of {_SIZES[0]} to "
+            f"{_SIZES[1]}"
+        )
     table.flags.writeable = False
     return table
 
