@@ -14,6 +14,9 @@ namespace {
 // Share of the probability that is spread evenly over all cells with light (defensive sampling).
 constexpr double even_part = 1.0 / 64;
 
+// Least probability of the sky beside discs: two of 16 rays ask for it, or none.
+constexpr double least_sky = 1.0 / 8;
+
 // Of the nodes of a map, with what is the same for all of a row.
 struct SkyNodes {
   const SkyMap& map;
@@ -129,7 +132,7 @@ void make_cells(LightData& data, const SkyNodes& nodes, const std::vector<double
 }
 
 // Total variation distance (0 to 1) of the density of directions from a uniform one, over the
-// sphere or its upper half, whichever is nearer; at least 0.05.
+// sphere or its upper half, whichever is nearer.
 double unevenness(const LightData& data, const SkyView& sky) {
   const auto columns = static_cast<std::size_t>(sky.columns);
   const auto half = static_cast<std::size_t>(sky.rows - 1);
@@ -142,7 +145,7 @@ double unevenness(const LightData& data, const SkyView& sky) {
       from_half += std::fabs(density - (row < half ? 1 / (2 * pi) : 0)) * sr;
     }
   }
-  return std::max(std::min(from_sphere, from_half) / 2, 0.05);
+  return std::min(from_sphere, from_half) / 2;
 }
 
 // The mean of mu, the cosine at a disc's own surface, over a disc of this radius: the integral of
@@ -266,7 +269,9 @@ std::vector<double> make_far(LightData& data, const Light& light) {
   }
 
   // Probabilities: the mean over bands of each one's share in the flux. Beside discs the sky's is
-  // multiplied by its unevenness, as sampling the lobes finds an even sky just as well.
+  // multiplied by its unevenness, as sampling the lobes finds an even sky just as well. A sky of
+  // which little is left is not sampled: a ray in fifty that asks for it in place of the sun is off
+  // by all of the sun, which a frame's few rays do not show in their standard error.
   double shining = 0, of_sky = 0;
   for (std::size_t b = 0; b < bands; ++b) {
     if (!(flux[b] > 0)) continue;
@@ -274,8 +279,9 @@ std::vector<double> make_far(LightData& data, const Light& light) {
     of_sky += sky_flux[b] / flux[b];
   }
   if (shining > 0) {
-    double all = of_sky > 0 ? of_sky * unevenness(data, sky) : 0;
-    sky.probability = static_cast<float>(all);
+    double from_sky = of_sky;
+    if (of_sky > 0 && !of_disc.empty()) from_sky *= unevenness(data, sky);
+    double all = from_sky;
     std::vector<double> shares;
     for (const std::vector<double>& disc : of_disc) {
       double share = 0;
@@ -284,7 +290,11 @@ std::vector<double> make_far(LightData& data, const Light& light) {
       shares.push_back(share);
       all += share;
     }
-    sky.probability = static_cast<float>(static_cast<double>(sky.probability) / all);
+    if (from_sky < least_sky * all) {
+      all -= from_sky;
+      from_sky = 0;
+    }
+    sky.probability = static_cast<float>(from_sky / all);
     for (std::size_t i = 0; i < shares.size(); ++i)
       data.discs[i].probability = static_cast<float>(shares[i] / all);
   }

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lit_checks import BAND, eyes_at, flat_spectrum, look, look_many, slanted, square
+from lit_checks import BAND, eyes_at, flat_spectrum, look, look_many, matter, slanted, square
 from water_monte_carlo import light_leaving
 from water_slopes import (
     SUN_RAD,
@@ -186,6 +186,24 @@ class TestGlitter:
         assert 0.46 < np.mean(np.abs(np.array(off)) < 0.711 * np.array(claimed)) < 0.54
         # With 8 seeds 1.00, and 0.97 to 1.01 with other winds and suns.
         assert 0.9 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(claimed))) < 1.1
+
+
+def test_standard_errors_where_the_sky_is_even():
+    """Rays that asked for such a sky in place of the sun, one in fifty, were off by all of the
+    sun: eight scrambles of 16 rays of matt ground erred by 0.79 %, in the mean of squares by 25
+    times what they claimed."""
+    light = sun_at(30.0) + uniform_sky(0.3, bands=BAND, unit="watts")
+    axes = towards(np.repeat([-60.0, -30.0, -10.0], 100), np.tile(np.linspace(-60, 60, 100), 3))
+    eye = omma.Eye(np.zeros_like(axes), axes, np.radians(3.0))
+    above = omma.look_at((0, 2, 0), (0, 2, -1))
+    for ground, most in ((matter(0.3), 0.001), (water("3C", wind_m_per_s=5.0), 0.01)):
+        renderer = omma.Renderer(lake(ground, light), eye, omma.Fixed(4096), seed=9)
+        many = renderer.render(above)[0, :, 0].astype(float)
+        few = omma.Renderer(renderer.world, eye, omma.Fixed(16), seed=1)
+        seen, error = (one[0, :, 0] for one in few.render(above, standard_error=True))
+        assert np.sqrt(np.mean((seen / many - 1) ** 2)) < most
+        # 1.18 with 7 degrees of freedom; the tail of one seed's 300.
+        assert np.sqrt(np.mean(((seen - many) / error) ** 2)) < 2
 
 
 class TestPolarisation:
