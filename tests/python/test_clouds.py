@@ -281,3 +281,19 @@ def test_transmittance_of_a_cloud_beside_monte_carlo(depth, m):
         around = np.cos(2 * np.pi * random.random(len(height)))
         cosine = cosine * turn + np.sqrt((1 - cosine**2).clip(0) * (1 - turn**2).clip(0)) * around
     assert cloud_transmittance(depth, m) == pytest.approx(below / count, abs=0.05)
+
+
+def test_the_brightest_disc_counts_as_the_sun():
+    """Which of two lights was written first changed where clouds glow: about a star."""
+    bands = omma.light.Bands.equal(1, 500, 600)
+    sky = omma.light.uniform_sky(1.0, bands=bands)
+    bright, faint = (
+        omma.light.Light(bands, discs=[omma.light.Disc(omma.eye.direction(*at), 0.005, [radiance])])
+        for at, radiance in (((0, 40), 1e5), ((120, 40), 1e3))
+    )
+    one, other = (
+        omma.light.clouded(sky + first + second, 1.0, "cirrus", shadow_height_m=1000.0)
+        for first, second in ((bright, faint), (faint, bright))
+    )
+    np.testing.assert_allclose(one.sky, other.sky, rtol=1e-6)
+    assert one.cloud_shadow == other.cloud_shadow

@@ -1,5 +1,7 @@
 """What stacks of thin layers reflect, against closed forms and characteristic matrices."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -229,3 +231,20 @@ def test_what_is_refused():
         film.mueller(0, 0)
     with pytest.raises(omma.Error, match="did you mean 'gold'"):
         refractive_index("goldd")
+
+
+@pytest.mark.parametrize(("thickness_nm", "is_told"), [(1000, False), (20_000, True)])
+def test_fringes_that_are_finer_than_a_table_are_told(thickness_nm, is_told):
+    film = omma.scene.LayerStack([(thickness_nm, 1.56)], substrate=1.0)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        film.boundary()
+    assert any("129 cosines" in str(one.message) for one in told) == is_told
+    assert any("wavelengths" in str(one.message) for one in told) == is_told
+
+
+def test_metres_and_micrometres_are_no_thickness():
+    for thickness in (80e-9, 0.08):
+        with pytest.raises(omma.Error, match="metres or micrometres"):
+            omma.scene.LayerStack([(thickness, 1.56)], substrate=1.5)
+    assert omma.scene.LayerStack([(0, 1.56)], substrate=1.5).mueller(500, 0).shape

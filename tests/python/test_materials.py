@@ -45,6 +45,28 @@ def test_the_whole_is_gloss_and_what_gets_in(name):
 
 
 @EACH
+def test_an_even_sky_shows_the_whole(name):
+    """Seen straight on, by reciprocity what a sphere measures. Petals gave two thirds of it where
+    they are dark: what got past rough facets was taken for what gets past a level surface."""
+    one = MATERIALS[name]
+    scene = omma.scene.plane((200, 200)).replace(materials=[omma.scene.natural_material(name)])
+    sky = omma.light.uniform_sky(1.0, below=0.0)
+    eye = omma.Eye([[0, 1, 0]], [[0, -1, 0]], np.radians(2))
+    seen = omma.Renderer(omma.World(scene, light=sky), eye, omma.Fixed(4096)).render(np.eye(4))
+    whole = sky.bands.mean(omma.light.Spectrum(one.wavelength_nm, one.total_reflectance))
+    # The engine's table of what facets mirror (tests/cpp/physics_specular_albedo.cpp), and noise.
+    np.testing.assert_allclose(seen[0, 0], whole, atol=1e-3)
+
+
+def test_rough_facets_mirror_less_of_light_that_falls_straight_on_them():
+    from omma.scene.facets import mirrored_straight
+
+    assert mirrored_straight(0.0, 1.5) == pytest.approx(0.04, rel=1e-6)
+    # By quadrature over GGX facets, of which each ray meets one.
+    assert mirrored_straight(0.8, 1.4) == pytest.approx(0.0160, abs=1e-4)
+
+
+@EACH
 def test_every_number_has_a_standing_and_a_source(name):
     facts = MATERIALS[name].facts
     assert {fact.standing for fact in facts} <= set(STANDINGS)

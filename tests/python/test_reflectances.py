@@ -6,6 +6,7 @@ import pytest
 import omma
 from omma.light import Spectrum
 from omma.scene import Material
+from omma.scene.facets import mirrored_straight
 
 RAMP = Spectrum([300, 500, 700], [0.1, 0.5, 0.3])
 DOWN = omma.look_at((0, 1, 0), (0, 0, 0), (0, 0, -1))
@@ -81,9 +82,13 @@ def test_from_a_measured_petal_to_photons(tmp_path):
 
 
 def test_gloss_counts_into_the_whole():
-    glossy = Material("petal", roughness=0.4)  # ior 1.5: it mirrors 0.04
+    glossy = Material("petal", roughness=0.4)  # ior 1.5: level it would mirror 0.04
+    gloss = mirrored_straight(0.4, 1.5)
+    assert 0.038 < gloss < 0.04
     kept = omma.scene.with_reflectance(ground(glossy), "petal", RAMP, gloss=True).materials[0]
-    np.testing.assert_allclose(kept.reflectance.value, (np.array([0.1, 0.5, 0.3]) - 0.04) / 0.96)
+    np.testing.assert_allclose(
+        kept.reflectance.value, (np.array([0.1, 0.5, 0.3]) - gloss) / (1 - gloss)
+    )
     assert (kept.specular, kept.roughness) == (1.0, pytest.approx(0.4))
     black = Spectrum([300, 700], [0.02, 0.02])
     kept = omma.scene.with_reflectance(ground(glossy), "petal", black, gloss=True).materials[0]

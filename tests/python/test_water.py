@@ -264,6 +264,18 @@ class TestWater:
         ]:
             with pytest.raises(Error, match=words):
                 under_water(even, 1.0, **wrong)
+        # Air, clouds and other skies are above the water, also where it has been turned since.
+        below = under_water(even, 1.0).turned(30)
+        for make in (
+            lambda: with_air(below, 500.0),
+            lambda: omma.light.clouded(below, 0.5),
+            lambda: under_water(below, 1.0),
+            lambda: 0.5 * below + even,
+            lambda: even + 0.5 * below,
+        ):
+            with pytest.raises(Error, match=r"under.water"):
+                make()
+        assert (below + below).sky[0].max() == pytest.approx(2 * below.sky[0].max())
 
 
 class TestLightsUnderWater:

@@ -21,7 +21,8 @@ import omma
 from omma.light import Disc, Light, Spectrum, uniform_sky, water_types
 from omma.light import water as under
 from omma.scene import water, wave_roughness
-from omma.scene.water_surfaces import leaving, surface_albedo
+from omma.scene.facets import surface_albedo
+from omma.scene.water_surfaces import leaving
 
 WHITE_SKY = uniform_sky(1.0, bands=BAND, unit="watts")
 BACKENDS = pytest.mark.parametrize("backend", ["embree", "portable"])

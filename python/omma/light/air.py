@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import array_of, checked, within
 from omma.base.arrays import Floats
-from omma.light.lights import Light, makes_light
+from omma.light.lights import Light, is_under_water, makes_light
 from omma.light.skies import CLEAR_SKY_AEROSOL
 from omma.light.sky_height import AIR_HEIGHT_M, air_above
 from omma.light.sky_stored import depths_of_air_and_haze
@@ -63,9 +63,14 @@ def with_air(
         [18.0, 70.0, 130.0]
 
     Raises:
-        omma.Error: a number out of range, several of the three, or none and a sky that does not
-            say what air it has.
+        omma.Error: a number out of range, several of the three, none and a sky that does not say
+            what air it has, or a light under water.
     """
+    if is_under_water(light):
+        raise Error(
+            "light: expected one above the water, found one under water, where water lies between "
+            "surfaces; air above it is of the light that under_water is given"
+        )
     if extinction_per_m is not None:
         if visibility_m is not None or angstrom is not None:
             raise Error("extinction_per_m: expected it alone, found visibility_m or angstrom too")

@@ -18,7 +18,7 @@ from omma.light.bands import Bands
 from omma.light.cie_skies import scattered
 from omma.light.cloud_shadow import CloudShadow
 from omma.light.discs import Disc
-from omma.light.lights import Light, makes_light
+from omma.light.lights import Light, is_under_water, makes_light
 from omma.light.skies import clear_sky
 from omma.light.units import Unit
 
@@ -79,7 +79,7 @@ def clouded(
     middles. docs/light.md says what is left out.
 
     Args:
-        light: with a sky. The first disc counts as the sun.
+        light: with a sky. The disc that gives most light counts as the sun.
         cloud_fraction: share of the sky's solid angle that is cloud, 0 to 1; 1 is a layer without
             gaps, the same everywhere.
         kind: "cumulus", broken and thick; "cirrus", in streaks and thin; "deck", flat and thick.
@@ -98,8 +98,8 @@ def clouded(
         (1, (91, 360, 3))
 
     Raises:
-        omma.Error: a light without a sky, a shadow without a disc that would cast it, or a number
-            out of range.
+        omma.Error: a light without a sky or under water, a shadow without a disc that would cast
+            it, or a number out of range.
     """
     within(cloud_fraction, "cloud_fraction", 0, 1)
     cloud = _KINDS[one_of(kind, _KINDS, "kind")]
@@ -110,6 +110,11 @@ def clouded(
     whole(seed, "seed", 0, 2**63 - 1)
     if light.sky is None:
         raise Error("light: expected one with a sky, found none")
+    if is_under_water(light):
+        raise Error(
+            "light: expected one above the water, found one under water; give clouds to the light "
+            "that under_water is given"
+        )
     behind = sky_map.on_grid(
         light._sky_in_bands(), max(ROWS, light.sky.shape[1]), max(COLUMNS, light.sky.shape[2])
     )
@@ -224,7 +229,7 @@ def _own_light(
     sine = np.sin(e)
     towards = direction(np.degrees(a), np.degrees(e))
     shape = (1 + (cloud.gradation - 1) * sine) * np.ones_like(a)
-    sun = light.discs[0].direction if light.discs else _brightest(behind, towards)
+    sun = _main_disc(light.discs).direction if light.discs else _brightest(behind, towards)
     shape = shape * scattered(towards @ sun, *cloud.indicatrix)
     weights = sky_map.level_weights(rows, columns)
     rings = behind[0, :, :, 0].sum(axis=1, dtype=np.float64)
@@ -244,6 +249,11 @@ def _own_light(
     strengths.insert(0, strengths[0])
     each = np.stack([np.interp(depth, nodes, one) for one in np.transpose(strengths)], -1)
     return np.asarray(each * ((1 - through) * shape)[:, :, None])
+
+
+def _main_disc(discs: tuple[Disc, ...]) -> Disc:
+    """The sun, or what gives most light in its place: the moon among stars."""
+    return max(discs, key=lambda one: float(np.sum(one.irradiance())))
 
 
 def _brightest(behind: sky_map.Map, towards: Floats) -> Floats:
@@ -270,7 +280,7 @@ def _shadow(discs: tuple[Disc, ...], depth: Floats, height_m: float) -> CloudSha
     """What a field of optical depths casts: at the world's origin as the sky shows it."""
     if not discs:
         raise Error("shadow_height_m: expected a light with a sun or a moon, found no disc")
-    x, y, z = discs[0].direction
+    x, y, z = _main_disc(discs).direction
     # The sky's layer comes down towards the horizon, the ground's is level: the sun is behind the
     # same cloud.
     apart = height_m * (1 / max(y, 1e-3) - _layer_distance(y)) if y > 0 else 0.0

@@ -229,7 +229,7 @@ class Light:
             [2.5, 0.5]
 
         Raises:
-            omma.Error: other bands, another unit, or other air.
+            omma.Error: other bands, another unit, other air, or a sky above water and one below.
         """
         if self.bands != other.bands:
             raise Error(f"other: expected light in the same bands, found {other.bands!r:.80}")
@@ -241,6 +241,12 @@ class Light:
         shadows = [one.cloud_shadow for one in (self, other) if one.cloud_shadow is not None]
         if len(shadows) == 2 and shadows[0] != shadows[1]:
             raise Error("other: expected light below the same clouds, found another cloud_shadow")
+        wet = [is_under_water(one) for one in (self, other) if one.sky is not None]
+        if len(set(wet)) == 2:
+            raise Error(
+                "other: expected light under water too, or none, found a sky above it: add skies "
+                "first, then under_water"
+            )
         skies = [one._sky_in_bands() for one in (self, other) if one.sky is not None]
         recipe = None if other.recipe is None else self._changed("plus", other=other)
         return Light(
@@ -329,6 +335,15 @@ class Light:
             "cloud_shadow": self.cloud_shadow and self.cloud_shadow._for_engine(),
             "ultraviolet": None,
         }
+
+
+def is_under_water(light: Light) -> bool:
+    """Whether a light, or one that it was made of, is one of `under_water`."""
+    if light.recipe is None:
+        return False
+    name, arguments = light.recipe
+    parts = (one for one in arguments.values() if isinstance(one, Light))
+    return name == "under_water" or any(is_under_water(one) for one in parts)
 
 
 def makes_light(function: F) -> F:

@@ -15,7 +15,7 @@ from omma.base.warn import warn_caller
 from omma.light import sky_map
 from omma.light.bands import Bands
 from omma.light.discs import SMALLEST_DISC_RAD, Disc
-from omma.light.lights import Light, makes_light
+from omma.light.lights import Light, is_under_water, makes_light
 from omma.light.sky_tables import check_range
 from omma.light.water_types import (
     ABSORPTION,
@@ -120,7 +120,7 @@ def under_water(
     n = within(refractive_index, "refractive_index", *_INDICES)
     if light.sky is None:
         raise Error("light: expected one with a sky, found none")
-    if light.recipe is not None and light.recipe[0] == "under_water":
+    if is_under_water(light):
         raise Error("light: expected one above the water, found one under water")
     if light.cloud_shadow is not None:
         raise Error("light: expected one whose clouds cast no shadows, found a cloud_shadow")

@@ -22,6 +22,7 @@ from omma.base.arguments import array_of, checked, one_of, within
 from omma.base.arrays import Floats
 from omma.base.tables import packaged_rows
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
 from omma.scene.spectrum_colours import linear_srgb
 
 Complex = NDArray[np.complex128]
@@ -31,7 +32,11 @@ Index = complex | float | Floats
 # Nodes of the tables that `boundary` makes: as many as the engine has.
 _COSINES = 129
 _STEP_NM = 2.0
-_MOST_NM = 1e5
+# What a table may be off by between its nodes without a word; one in so many wavelengths is tried.
+_FINE, _EACH_TRIED = 0.01, 8
+_OF_BAND = 12  # wavelengths of a band of 25 nm
+_STEEP_DEG = 80
+_LEAST_NM, _MOST_NM = 0.5, 1e5  # of the thickest layer: two atoms
 _MOST_SPREAD = 0.2
 # Of |n + ik|, and wavelengths: wider than those of any matter and light that animals see.
 _SIZES = (0.01, 100)
@@ -96,6 +101,12 @@ class LayerStack:
                 raise Error(f"layers[{i}]: expected a thickness and an index, found {len(pair)}")
             thickness = within(pair[0], f"layers[{i}] thickness", 0, _MOST_NM)
             made.append((thickness, _checked_index(pair[1], f"layers[{i}] index")))
+        thickest = max((thickness for thickness, _ in made), default=0.0)
+        if 0 < thickest < _LEAST_NM:
+            raise Error(
+                f"layers: expected thicknesses in nm, found at most {thickest:g}, thinner than two "
+                "atoms: these are metres or micrometres"
+            )
         object.__setattr__(self, "layers", tuple(made))
         object.__setattr__(self, "substrate", _checked_index(self.substrate, "substrate"))
         object.__setattr__(self, "spread", within(self.spread, "spread", 0, _MOST_SPREAD))
@@ -131,15 +142,47 @@ class LayerStack:
 
         Raises:
             omma.Error: fewer than 2 wavelengths, or some that do not ascend from 100 to 5,000 nm.
+
+        Warns:
+            UserWarning: fringes of a thick film are finer than the table's 129 cosines or its
+                wavelengths.
         """
         if wavelength_nm is None:
             nm = np.arange(300.0, 700.0 + _STEP_NM / 2, _STEP_NM)
         else:
             nm = array_of(wavelength_nm, "wavelength_nm", (None,), finite=True)
             _check_wavelengths(nm)
-        return BoundaryTable(nm, self._mueller(nm, np.linspace(0, 1, _COSINES)))
+        cosine = np.linspace(0, 1, _COSINES)
+        table = self._mueller(nm, cosine)
+        self._tell_of_fringes(nm, cosine, table)
+        return BoundaryTable(nm, table)
 
     @checked
+    def _tell_of_fringes(self, nm: Floats, cosine: Floats, table: Floats) -> None:
+        """Warn where a table (W, C, 3) has too few nodes for the fringes of thick films."""
+        # Next to grazing all boundaries rise to 1 within a few nodes.
+        steep = np.flatnonzero(cosine > np.cos(np.radians(_STEEP_DEG)))
+        cosine, table = cosine[steep], table[:, steep]
+        by_angle = self._mueller(nm[::_EACH_TRIED], (cosine[1:] + cosine[:-1]) / 2)
+        by_angle -= (table[::_EACH_TRIED, 1:] + table[::_EACH_TRIED, :-1]) / 2
+        by_nm = self._mueller((nm[1:] + nm[:-1]) / 2, cosine[::_EACH_TRIED])
+        by_nm -= (table[1:, ::_EACH_TRIED] + table[:-1, ::_EACH_TRIED]) / 2
+        # Bands take means, in which what is off on both sides of a fringe cancels.
+        runs = np.arange(0, len(by_nm), _OF_BAND)
+        by_nm = np.add.reduceat(by_nm, runs) / np.diff(runs, append=len(by_nm))[:, None, None]
+        for off, way in (
+            (by_angle, f"{_COSINES} cosines of the table"),
+            (by_nm, f"{len(nm)} wavelengths of the table, of which there may be more"),
+        ):
+            worst = float(np.abs(off).max())
+            if worst > _FINE:
+                warn_caller(
+                    f"layers: fringes of so thick a stack are finer than the {way}; between them "
+                    f"reflectance up to {_STEEP_DEG} degrees is off by up to {worst:.2g}, where "
+                    "`mueller` is exact",
+                    UserWarning,
+                )
+
     def material(self, name: str = "", roughness: float = 0.0) -> Material:
         """A material of scenes that reflects like this stack, for worlds that are lit.
 

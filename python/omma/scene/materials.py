@@ -17,6 +17,7 @@ from omma.base.arguments import checked, one_of
 from omma.base.arrays import Floats
 from omma.base.tables import packaged_rows
 from omma.base.values import value_class
+from omma.scene.facets import mirrored_straight
 from omma.scene.spectrum_colours import linear_srgb, luminance
 
 STANDINGS = ("read", "computed", "assumed")
@@ -67,8 +68,9 @@ class NaturalMaterial:
 
     @property
     def surface_reflectance(self) -> float:
-        """What the surface reflects of light that falls straight on it: none of it gets in."""
-        return self.specular * ((self.ior - 1) / (self.ior + 1)) ** 2
+        """What the surface reflects of light that falls straight on it: none of it gets in. Of
+        what rough facets mirror, some meets others and is lost."""
+        return self.specular * mirrored_straight(self.roughness, self.ior)
 
     @property
     def reflectance(self) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 
 from omma._core import Error, Material, Scene, Spectrum
 from omma.base.arguments import checked, one_of, positive
+from omma.scene.facets import mirrored_straight
 from omma.scene.spectrum_colours import linear_srgb, luminance
 
 # Without ultraviolet a world asks what there is; beyond the visible end nobody would.
@@ -116,7 +117,7 @@ def _measured(
         "extra_reflectance": None, "boundary": None,
     }  # fmt: skip
     if gloss:
-        surface = material.specular * ((material.ior - 1) / (material.ior + 1)) ** 2
+        surface = material.specular * mirrored_straight(material.roughness, material.ior)
         reflectance = _below(reflectance, surface)
     else:
         changes |= {"specular": 0.0, "specular_texture": None, "specular_color_texture": None,
