@@ -241,13 +241,13 @@ void lay_out(const Maker& make, const Mesh& mesh, const Material& m, const Scatt
   FactorTextures factors;
   bool any = false;
   const auto add_factor = [&](const TextureUse& use, TextureRead& read, ImageCodes codes,
-                              AlphaUse alpha = {}) {
+                              AlphaMode alpha = {}) {
     read.texture = find_texture(make.scene, shading, use.texture, alpha, codes);
     add(use, read.texture, read.uv, read.density);
     any |= read.texture >= 0;
   };
   // Where alpha is blended, coarser levels hold its mean.
-  const AlphaUse mean_alpha{AlphaMode::blend, 0};
+  constexpr AlphaMode mean_alpha = AlphaMode::blend;
   if (scatter.diffuse_transmission > 0)
     add_factor(m.diffuse_transmission_factor_texture, factors.diffuse_transmission,
                ImageCodes::linear, mean_alpha);

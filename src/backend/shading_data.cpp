@@ -12,12 +12,9 @@ namespace {
 MaterialView material_view(const Scene& scene, const Material& m, ShadingData& data) {
   const bool gltf = scene.color_rule == ColorRule::gltf;
   const ImageCodes codes = gltf ? ImageCodes::srgb : ImageCodes::linear;
-  AlphaUse alpha{m.alpha_mode};
-  if (m.alpha_mode == AlphaMode::mask && m.base_color.w > 0)
-    alpha.cutoff = m.alpha_cutoff / m.base_color.w;
   return {m.base_color,
           m.unlit ? Vec3{} : m.emissive,  // KHR_materials_unlit: the base colour and nothing else
-          find_texture(scene, data, m.base_color_texture.texture, alpha, codes),
+          find_texture(scene, data, m.base_color_texture.texture, m.alpha_mode, codes),
           find_texture(scene, data, m.emissive_texture.texture, {}, codes),
           m.alpha_cutoff,
           m.alpha_mode,

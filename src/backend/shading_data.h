@@ -39,8 +39,8 @@ struct ShadingData {
   std::list<TextureLevels> levels;            // of the images, where they stay
   // What is in `textures` and `levels`: by texture and use, by image, use and whether it has
   // levels.
-  std::map<std::tuple<int, AlphaUse, ImageCodes>, std::int32_t> view_of_texture;
-  std::map<std::tuple<int, AlphaUse, ImageCodes, bool>, TextureLevels*> levels_of_image;
+  std::map<std::tuple<int, AlphaMode, ImageCodes>, std::int32_t> view_of_texture;
+  std::map<std::tuple<int, AlphaMode, ImageCodes, bool>, TextureLevels*> levels_of_image;
   std::vector<float> power_22;  // see SceneView, or empty
   OpacityMaps opacity;          // of cut-outs
   SceneView view;               // without a background

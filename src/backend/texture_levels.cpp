@@ -122,11 +122,6 @@ Level make_two_levels(int width, int height, const Read& read, const Keep& keep)
   return level;
 }
 
-float visible_fraction(float alpha, AlphaUse use) {
-  if (use.mode == AlphaMode::opaque) return 1;
-  return use.mode == AlphaMode::blend ? alpha : (alpha >= use.cutoff ? 1.0f : 0.0f);
-}
-
 // A colour component or alpha as 16 bits.
 std::uint32_t round16(float value) {
   return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 65535.0f));
@@ -134,7 +129,7 @@ std::uint32_t round16(float value) {
 
 }  // namespace
 
-TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaUse alpha, bool levels,
+TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaMode alpha, bool levels,
                                   bool large) {
   TextureLevels result;
   result.first_texel.push_back(0);
@@ -175,7 +170,7 @@ TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaUse
       const float* p = image.rgba_linear.data() + 4 * i;
       t = {p[0], p[1], p[2], p[3]};
     }
-    t.a = visible_fraction(t.a, alpha);
+    if (alpha != AlphaMode::blend) t.a = 1;
     return t;
   };
   const auto keep = [&](std::size_t i, const Texel& t) {

@@ -11,15 +11,6 @@
 
 namespace omma {
 
-// How alpha is used: not at all, as coverage (blending), or with a cutoff. Colours are averaged
-// with alpha as weight.
-struct AlphaUse {
-  AlphaMode mode = AlphaMode::opaque;
-  float cutoff = 0;  // of the image's own alpha, for `mask`
-
-  auto operator<=>(const AlphaUse&) const = default;
-};
-
 // What 8-bit codes of colour stand for: light in sRGB, or their own values from 0 to 1, as of
 // CompoundRay's colours, which are raised to their power after interpolation, and of normals.
 enum class ImageCodes : std::uint8_t { srgb, linear };
@@ -37,10 +28,10 @@ struct TextureLevels {
   Version version = new_version();
 };
 
-// The image alone, where `levels` is false; float images are then left where they are, and 8-bit
+// Where alpha blends, colours are averaged with it as weight. The image alone, where `levels` is false; float images are then left where they are, and 8-bit
 // images where they are `large`, whose level 0 stays 8-bit in any case: half the memory, and the
 // same light.
-TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaUse alpha, bool levels,
+TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaMode alpha, bool levels,
                                   bool large = false);
 
 // `levels` and the image stay where they are.

@@ -42,6 +42,15 @@ bool is_as_made(const std::vector<Vec2>& source, const TextureUse& use) {
          std::all_of(source.begin(), source.end(), bounded);
 }
 
+// Whether footprints read averages of a texture. CompoundRay's colours are not linear before they
+// are interpolated, nearest texels are asked for as they are: neither can be averaged. Of cut-outs
+// rays meet the image's own outline, and what a footprint averages over is not what is seen: tips
+// of grass would have the colour of what lies beside them in the image.
+bool is_averaged(const Scene& scene, const Texture& texture, AlphaMode alpha) {
+  return scene.color_rule == ColorRule::gltf && texture.filter == Filter::linear &&
+         alpha != AlphaMode::mask;
+}
+
 std::size_t texels_of_8_bits(const Scene& scene) {
   std::size_t texels = 0;
   for (const Image& image : scene.images) texels += image.rgba_srgb8.size() / 4;
@@ -50,7 +59,7 @@ std::size_t texels_of_8_bits(const Scene& scene) {
 
 }  // namespace
 
-std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, AlphaUse alpha,
+std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, AlphaMode alpha,
                           ImageCodes codes) {
   if (texture < 0) return -1;
   const auto [known, is_new] = data.view_of_texture.try_emplace(
@@ -58,9 +67,7 @@ std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, Al
   if (!is_new) return known->second;
   const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
   const Image& image = scene.images[static_cast<std::size_t>(t.image)];
-  // CompoundRay's colours are not linear before they are interpolated, nearest texels are asked
-  // for as they are: neither can be averaged.
-  const bool levels = scene.color_rule == ColorRule::gltf && t.filter == Filter::linear;
+  const bool levels = is_averaged(scene, t, alpha);
   TextureLevels*& made = data.levels_of_image[{t.image, alpha, codes, levels}];
   if (made == nullptr) {
     const bool large = texels_of_8_bits(scene) > most_fast_texels;
@@ -88,7 +95,7 @@ void replace_image(const Scene& scene, ShadingData& data, int image, const Image
     const auto& [texture, alpha, codes] = key;
     const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
     if (t.image != image) continue;
-    const bool has_levels = scene.color_rule == ColorRule::gltf && t.filter == Filter::linear;
+    const bool has_levels = is_averaged(scene, t, alpha);
     TextureView& view = data.textures[static_cast<std::size_t>(index)];
     view = view_levels(picture, *data.levels_of_image.at({image, alpha, codes, has_levels}));
     view.wrap_u = t.wrap_u;

@@ -21,7 +21,7 @@ std::vector<T> per_corner(const Mesh& mesh, const std::vector<T>& per_vertex) {
 
 // Index of the view of a scene's texture in `data.textures`, made where there is none yet; -1 for
 // none. Where alpha matters, or codes are another thing, coarser levels differ.
-std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, AlphaUse alpha,
+std::int32_t find_texture(const Scene& scene, ShadingData& data, int texture, AlphaMode alpha,
                           ImageCodes codes);
 
 // Has all textures of an image read another picture of the same size, which stays where it is.

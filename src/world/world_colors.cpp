@@ -52,7 +52,7 @@ void World::set_image(int image, Image picture) {
   const Moving alone(built, "set_image");
   check_unlit(built, "set_image");
   for (const auto& [key, levels] : built.shading->levels_of_image)
-    if (std::get<0>(key) == image && std::get<AlphaUse>(key).mode != AlphaMode::opaque)
+    if (std::get<0>(key) == image && std::get<AlphaMode>(key) != AlphaMode::opaque)
       throw Error("image: expected one whose alpha is not used, found image " +
                   std::to_string(image) + ", which a material cuts out or blends by its alpha");
   auto kept = std::make_unique<const Image>(std::move(picture));

@@ -34,15 +34,14 @@ struct LevelSums {
   double seen[3] = {}, coverage = 0;
 };
 
-LevelSums mean_of_level(const TextureView& view, int level, AlphaUse use) {
+LevelSums mean_of_level(const TextureView& view, int level, AlphaMode use) {
   const auto l = level_of(view, level);
   LevelSums sums;
   const float unit = view.linear == nullptr ? 1 / 65535.0f : 1;
   const double share = 1.0 / (l.width * l.height);
   for (int i = 0; i < l.width * l.height; ++i) {
     const Color<float> c = load_texel<float>(view, l.first_texel + i) * unit;
-    double coverage = use.mode == AlphaMode::opaque ? 1 : c.a;
-    if (use.mode == AlphaMode::mask && level == 0) coverage = c.a >= use.cutoff ? 1 : 0;
+    const double coverage = use == AlphaMode::opaque ? 1 : c.a;
     sums.seen[0] += share * coverage * c.r;
     sums.seen[1] += share * coverage * c.g;
     sums.seen[2] += share * coverage * c.b;
@@ -58,8 +57,7 @@ TEST(TextureLevels, KeepTheMeanAndTheCoverage) {
   for (const auto& [width, height] :
        {std::pair{1, 1}, {2, 1}, {7, 5}, {64, 64}, {33, 1}, {1, 90}, {250, 101}})
     for (const bool eight_bit : {true, false})
-      for (const AlphaUse use :
-           {AlphaUse{}, AlphaUse{AlphaMode::blend}, AlphaUse{AlphaMode::mask, 0.4f}}) {
+      for (const AlphaMode use : {AlphaMode::opaque, AlphaMode::blend}) {
         const Image image = random_image(width, height, 5, eight_bit);
         const TextureLevels levels = make_texture_levels(image, ImageCodes::srgb, use, true);
         const TextureView view = view_levels(image, levels);
@@ -119,7 +117,7 @@ TEST(TextureLevels, OfLargeScenesAreTheSameBits) {
   for (const auto& [width, height] :
        {std::pair{1, 1}, {2, 1}, {5, 3}, {64, 64}, {33, 1}, {1, 90}, {250, 101}, {6, 11}})
     for (const ImageCodes codes : {ImageCodes::srgb, ImageCodes::linear})
-      for (const AlphaUse use : {AlphaUse{}, AlphaUse{AlphaMode::mask, 0.4f}})
+      for (const AlphaMode use : {AlphaMode::opaque, AlphaMode::blend})
         for (const bool with_levels : {true, false}) {
           const Image image = random_image(width, height, 6, true);
           const TextureLevels small = make_texture_levels(image, codes, use, with_levels);

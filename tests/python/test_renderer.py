@@ -312,3 +312,37 @@ def test_renders_from_several_threads(renderer, flight):
     for thread in threads:
         thread.join()
     assert all((result == expected).all() for result in results)
+
+
+@pytest.mark.parametrize("backend", ["embree", "portable"])
+def test_cut_outs_look_alike_at_any_number_of_rays(backend):
+    """White stripes on a white sky, interpolated towards the black that alpha hides. With few rays
+    they were as white as the sky, as averages of texels left out what is between them."""
+    pixels = np.zeros((256, 256, 4), np.uint8)
+    pixels[:, np.arange(256) // 2 % 2 == 0] = 255
+    corners = [[-9, -9, -3], [9, -9, -3], [9, 9, -3], [-9, 9, -3]]
+    wall = omma.scene.Mesh(
+        corners,
+        [[0, 1, 2], [0, 2, 3]],
+        texture_coordinates=[[0, 9], [9, 9], [9, 0], [0, 0]],
+        material=0,
+    )
+    scene = omma.Scene(
+        meshes=[wall],
+        materials=[omma.scene.Material(base_color_texture=0, alpha_mode="mask")],
+        images=[omma.scene.Image(pixels)],
+        background=omma.Background.constant((1, 1, 1)),
+    )
+    eye = omma.eye.generate_eye(300)
+    ahead = eye.take(np.flatnonzero(-eye.axis[:, 2] > 0.8))
+    few, some, many = (
+        omma.Renderer(omma.World(scene, backend=backend), ahead, omma.Fixed(n)).render(
+            np.eye(4), standard_error=True
+        )
+        for n in (16, 128, 1024)
+    )
+    # A stripe of two texels, of which an eighth of one is black at either side, is half of all. The
+    # mean of some 30 ommatidia.
+    for seen, error in (few, some, many):
+        spread = float(np.sqrt(np.mean(np.square(error, dtype=float)) / len(ahead)))
+        assert abs(seen.mean() - (1 - 0.125 / 2)) < 4 * spread + 1e-3
