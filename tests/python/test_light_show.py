@@ -93,12 +93,51 @@ def test_a_time_and_place(tmp_path, run_omma, moment):
             ("--time", "2026-06-21T12:00Z", "--place", "1,2", "--kind", "overcast"),
             "--kind: expected clear",
         ),
+        (
+            ("--sun", "30", "--kind", "cloudy"),
+            "--kind: expected one of clear, natural, moonlit, overcast, found 'cloudy'; --light "
+            "draws all others, such as --light 'cloudy_sky sun_elevation_deg=30'",
+        ),
+        (("--light", "cloudy"), "--light: expected one of clear_sky, clear_sky_at, cloudy_sky"),
+        (("--light", ""), "--light: expected one of clear_sky"),
+        (("--light", "clear_sky sun_elevation_deg=100"), "sun_elevation_deg: expected -8 to 90"),
+        (("--light", "night_sky", "--ozone", "300"), "--ozone: goes without --light"),
+        (("--light", "night_sky", "--unit", "watts"), "--unit: goes without --light"),
     ],
 )
 def test_wrong_options(tmp_path, run_omma, given, message):
     code, _, err = run_omma("light", "show", *given, "-o", str(tmp_path / "sky.png"))
     assert code == 1
     assert message in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "cloudy_sky sun_elevation_deg=30 cloud_fraction=0.3 kind=cirrus",
+        "cie_sky sky_type=5 sun_elevation_deg=30 unit=watts bands=visible ultraviolet=dark",
+        "clear_sky sun_elevation_deg=30 haze_kind=smoke visibility_m=2000",
+        "night_sky",
+        "lamps",
+    ],
+)
+def test_any_light_that_is_rendered_under(tmp_path, run_omma, monkeypatch, words):
+    from omma.cli import light as command
+    from omma.scene.light_words import parse_light
+
+    drawn = []
+    monkeypatch.setattr(command, "plot_sky", lambda names, light, nm: drawn.append(light))
+    code, _, err = run_omma("light", "show", "--light", words, "-o", str(tmp_path / "sky.png"))
+    assert (code, err) == (0, "")
+    fine = words if "bands=" in words else f"{words} bands=40"
+    assert drawn == [parse_light(fine)["light"]]
+
+
+def test_lamps_alone_are_dark(tmp_path, run_omma):
+    name = tmp_path / "sky.png"
+    code, _, err = run_omma("light", "show", "--light", "lamps", "-o", str(name))
+    assert (code, err) == (0, "")
+    assert name.stat().st_size > 5000
 
 
 def test_neutral_points_are_where_polarisation_along_the_meridian_changes_sign():
