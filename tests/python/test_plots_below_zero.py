@@ -185,4 +185,8 @@ def test_pictures_refuse_what_no_colour_shows():
         with pytest.raises(omma.Error, match=r"from 0 on, found -0\.9.* plot_responses"):
             make(eye, eye.axis)
         make(eye, np.tile([-0.3, 0.9, 0.6], (50, 1)))  # a colour under water
-    assert np.nanmin(omma.picture.project(eye, eye.axis, linear=True)) < -0.9
+    linear = omma.picture.project(eye, eye.axis, linear=True)
+    assert np.nanmin(linear) < -0.9
+    with pytest.raises(omma.Error, match=r"picture: expected .* from 0 on, found -0\.9"):
+        omma.picture.display(linear)
+    omma.picture.display(np.full((2, 3, 3), [-0.3, 0.9, np.nan]))

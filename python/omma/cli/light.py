@@ -112,9 +112,9 @@ def show(
     names = figure_names(output)
     check_outputs(*output)
     with working():
-        air = {"aerosol": aerosol, "ozone_du": ozone, "albedo": albedo}
+        air: dict[str, Any] = {"aerosol": aerosol, "ozone_du": ozone, "albedo": albedo}
         air |= {"height_m": height, "haze_kind": haze_kind, "unit": unit}
-        said: dict[str, Any] = {name: one for name, one in air.items() if one is not None}
+        said = {name: one for name, one in air.items() if one is not None}
         if light is not None:
             beside = {"sun": sun, "azimuth": azimuth, "time": time, "place": place, "kind": kind}
             beside |= {"ozone": ozone, "height": height, **said}
