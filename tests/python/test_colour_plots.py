@@ -116,9 +116,23 @@ def test_distances_beside_the_threshold(tmp_path, drawn):
     assert panel.yaxis_inverted()  # the first is above
 
 
+def test_a_colour_without_a_distance_leaves_a_gap(tmp_path, drawn):
+    apart = [[8.6, np.nan], [np.nan, np.nan], [0.7, 0.4]]
+    cv.plot_distances(tmp_path / "a.pdf", apart, ["a", "b", "c"], series=["noon", "dusk"])
+    drawn[0].canvas.draw()
+    (panel,) = drawn[0].axes
+    assert [label.get_text() for label in panel.get_yticklabels()] == ["a", "b", "c"]
+    assert np.isfinite(marked(panel, "noon")[:, 0]).tolist() == [True, False, True]
+    ends = [segment[1][0] for segment in panel.collections[0].get_segments()]
+    assert ends == [8.6, 0, 0.7]
+    assert panel.get_xlim()[1] == pytest.approx(1.06 * 8.6)
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
+        (lambda to: cv.plot_distances(to, [np.nan], ["a"]), "or NaN where there is none"),
+        (lambda to: cv.plot_distances(to, [1, np.inf], ["a", "b"]), "finite numbers from 0 on"),
         (lambda to: cv.plot_hexagon(to, [0, 1, 2]), "excitations from 0 to 1"),
         (lambda to: cv.plot_hexagon(to, np.empty((0, 3))), "at least one colour"),
         (lambda to: cv.plot_triangle(to, [1, 1, 1], labels=["a", "b"]), "labels: expected 1 names"),

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import omma
-from omma.picture.sky_plots import _title, neutral_points
+from omma.picture.light_titles import light_title
+from omma.picture.sky_plots import neutral_points
 
 pytest.importorskip("matplotlib")
 
@@ -34,12 +35,12 @@ def test_a_title_says_when_and_where():
     few = omma.light.Bands.equal(2)
     light = omma.light.natural_sky_at(moment, 52.5, 13.4, bands=few)
     expected = "natural sky at 2026-06-21 12:00+02:00, latitude 52.5°, longitude 13.4°"
-    assert _title(light) == expected
+    assert light_title(light) == expected
     assert pickle.loads(pickle.dumps(light)) == light
-    assert _title(omma.light.clear_sky(30, bands=few)) == "clear sky, sun elevation 30°"
+    assert light_title(omma.light.clear_sky(30, bands=few)) == "clear sky, sun elevation 30°"
     high = omma.light.clear_sky(30, ozone_du=300, height_m=2000, haze_kind="urban", bands=few)
     said = "clear sky, sun elevation 30°, ozone 300 DU, height 2000 m, urban haze"
-    assert _title(high) == said
+    assert light_title(high) == said
 
 
 def test_what_cannot_be_drawn(tmp_path):
@@ -92,6 +93,16 @@ def test_a_time_and_place(tmp_path, run_omma, moment):
             ("--time", "2026-06-21T12:00Z", "--place", "1,2", "--kind", "overcast"),
             "--kind: expected clear",
         ),
+        (
+            ("--sun", "30", "--kind", "cloudy"),
+            "--kind: expected one of clear, natural, moonlit, overcast, found 'cloudy'; --light "
+            "draws all others, such as --light 'cloudy_sky sun_elevation_deg=30'",
+        ),
+        (("--light", "cloudy"), "--light: expected one of clear_sky, clear_sky_at, cloudy_sky"),
+        (("--light", ""), "--light: expected one of clear_sky"),
+        (("--light", "clear_sky sun_elevation_deg=100"), "sun_elevation_deg: expected -8 to 90"),
+        (("--light", "night_sky", "--ozone", "300"), "--ozone: goes without --light"),
+        (("--light", "night_sky", "--unit", "watts"), "--unit: goes without --light"),
     ],
 )
 def test_wrong_options(tmp_path, run_omma, given, message):
@@ -100,20 +111,96 @@ def test_wrong_options(tmp_path, run_omma, given, message):
     assert message in err
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "cloudy_sky sun_elevation_deg=30 cloud_fraction=0.3 kind=cirrus",
+        "cie_sky sky_type=5 sun_elevation_deg=30 unit=watts bands=visible ultraviolet=dark",
+        "clear_sky sun_elevation_deg=30 haze_kind=smoke visibility_m=2000",
+        "night_sky",
+        "lamps",
+    ],
+)
+def test_any_light_that_is_rendered_under(tmp_path, run_omma, monkeypatch, words):
+    from omma.cli import light as command
+    from omma.scene.light_words import parse_light
+
+    drawn = []
+    monkeypatch.setattr(command, "plot_sky", lambda names, light, nm: drawn.append(light))
+    code, _, err = run_omma("light", "show", "--light", words, "-o", str(tmp_path / "sky.png"))
+    assert (code, err) == (0, "")
+    fine = words if "bands=" in words else f"{words} bands=40"
+    assert drawn == [parse_light(fine)["light"]]
+
+
+def test_lamps_alone_are_dark(tmp_path, run_omma):
+    name = tmp_path / "sky.png"
+    code, _, err = run_omma("light", "show", "--light", "lamps", "-o", str(name))
+    assert (code, err) == (0, "")
+    assert name.stat().st_size > 5000
+
+
 def test_neutral_points_are_where_polarisation_along_the_meridian_changes_sign():
-    # Across the meridian (Q < 0) but for 10 to 50 degrees on the sun's side, and under 20 opposite.
+    # Across the meridian (Q < 0) but for 10 to 50 degrees on the sun's side, and under 10 opposite.
     sky = np.zeros((2, 91, 8, 3, 1))
     sky[:, :, :, 0], sky[:, :, :, 1] = 1, -0.05
     sky[0, 10:50, 0, 1] = 0.05
-    sky[0, :20, 4, 1] = 0.05
+    sky[0, :10, 4, 1] = 0.05
     disc = omma.light.Disc((0, 0.5, -np.sqrt(0.75)), 0.004, [1.0])
     light = omma.light.Light(omma.light.Bands.equal(1), sky=sky, discs=(disc,))
     found = neutral_points(light, 0)
     assert [name for name, _ in found] == ["Brewster", "Babinet", "Arago"]
     elevation = [np.degrees(np.arcsin(towards[1])) for _, towards in found]
     # Between rows of 1 degree.
-    np.testing.assert_allclose(elevation, [9.5, 49.5, 19.5], atol=0.01)
+    np.testing.assert_allclose(elevation, [9.5, 49.5, 9.5], atol=0.01)
     assert neutral_points(omma.light.uniform_sky(), 0) == []
+
+
+def test_neutral_points_have_names_where_these_belong():
+    few = omma.light.Bands.equal(2, 420, 480)
+    names = lambda light: [name for name, _ in neutral_points(light, 0)]  # noqa: E731
+    low, high = (omma.light.clear_sky(sun, bands=few) for sun in (10, 75))
+    assert names(low) == ["Babinet", "Arago"]
+    # Babinet's lies beyond the zenith; Arago's is below the horizon.
+    assert names(high)[-1] == "Babinet"
+    assert "Arago" not in names(high)
+    # The edge of Snell's window is none of the sky's own.
+    for water in (omma.light.under_water(low, 3, "3C"), omma.light.under_water(high, 1).turned(9)):
+        assert set(names(water)) <= {""}
+    sky = np.zeros((2, 91, 8, 3, 1))
+    sky[:, :, :, 0], sky[:, :, :, 1] = 1, -0.05
+    sky[0, 80:, 4, 1] = 0.05
+    disc = omma.light.Disc((0, 0.5, -np.sqrt(0.75)), 0.004, [1.0])
+    made = omma.light.Light(omma.light.Bands.equal(1), sky=sky, discs=(disc,))
+    assert names(made)[-1:] == [""]  # 79 degrees up opposite, 109 from the antisun
+
+
+def test_a_title_says_what_was_done():
+    few = omma.light.Bands.equal(2, 400, 700)
+    clear = omma.light.clear_sky(40, sun_azimuth_deg=45, bands=few)
+    said = "clear sky, sun elevation 40°, sun azimuth 45°"
+    water, air = omma.light.under_water, omma.light.with_air
+    dusk = omma.light.natural_sky(-5, bands=few)
+    even = omma.light.uniform_sky(2.0, bands=few)
+    titles = {
+        f"{said}, 3 m under water 3C": water(clear, 3, "3C"),
+        f"{said}, 2.5 m under water IB": water(clear, 2.5),
+        f"{said}, 1 m under water as measured": water(
+            clear, 1, absorption_per_m=0.1, scattering_per_m=0.2
+        ),
+        "natural sky, sun elevation -5°, half cirrus": omma.light.clouded(dusk, 0.5, "cirrus"),
+        "clear sky, sun elevation 30°, sun azimuth 0°, 30% cumulus": omma.light.cloudy_sky(
+            30, 0.3, bands=few
+        ),
+        f"{said}, air of visibility 500 m": air(clear, 500),
+        f"{said}, its own air": air(clear),
+        f"{said}, turned by 30°": clear.turned(30),
+        f"0.5 × {said} + uniform sky, radiance 2": 0.5 * clear + even,
+        f"2 × ({said} + uniform sky, radiance 2), all deck": omma.light.clouded(
+            2 * (clear + even), 1, "deck"
+        ),
+    }
+    assert [light_title(light) for light in titles.values()] == list(titles)
 
 
 def clouded(cover_at):

@@ -304,6 +304,12 @@ def numbers(text):
     return [float(word.replace(",", "")) for word in re.findall(r"\d[\d,]*(?:\.\d+)?", text)]
 
 
+def test_the_first_page_makes_the_spectra_that_others_take():
+    makes = (ROOT / "docs/start.md").read_text().replace(r"\t", "\t").replace(r"\n", "\n")
+    for text in (PETALS, *DAYLIGHT.splitlines()):
+        assert text in makes
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page) or spoken_of(page)])
 def test_commands_run(page, folder, run_omma, monkeypatch):
     monkeypatch.chdir(folder)

@@ -156,7 +156,7 @@ def test_one_that_sees_the_sun_leaves_the_others_visible(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"responses": np.zeros((4, 3))}, r"responses: expected shape \(3, bands\)"),
+        ({"responses": np.zeros((4, 2))}, r"responses: expected shape \(3, bands\)"),
         ({"responses": np.zeros((3, 5))}, "channels: expected one to three of the 5 bands"),
         ({"channels": [3]}, "channels: expected bands from 0 to 2, found 3"),
         ({"channels": []}, "channels: expected one to three, found 0"),
@@ -171,7 +171,7 @@ def test_one_that_sees_the_sun_leaves_the_others_visible(
             {"receptors": True, "responses": np.zeros(8), "channels": ["red"]},
             r"channels: expected receptors of this eye \(uv, green, blue\), found 'red'",
         ),
-        ({"responses": np.full((3, 3), np.nan)}, "responses: expected finite numbers"),
+        ({"responses": [[0, 1, np.nan]] * 3}, "responses: expected finite numbers"),
     ],
 )
 def test_what_makes_no_sense_is_refused(tmp_path, arguments, words):

@@ -17,6 +17,7 @@ from omma.light.lights import Light
 from omma.light.nights import natural_sky, natural_sky_at
 from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
 from omma.picture.sky_plots import plot_sky
+from omma.scene.light_words import SKIES, parse_light
 
 LIGHT_HELP = """
 Draw skies: their radiance, polarisation and spectrum.
@@ -32,8 +33,8 @@ what sky and sun give to level ground; .pdf, .svg or .png.
 
 North is at the top, east at the right, the zenith in the middle. The sun stands where --sun and
 --azimuth say, or where it is at a time (with its time zone) and place. A clear sky ends where the
-sun is 8 degrees below the horizon, a natural one goes on into the night. docs/light.md says what
-the skies are.
+sun is 8 degrees below the horizon, a natural one goes on into the night. --light draws any light
+that omma render takes, by the same words. docs/light.md says what the skies are.
 
 **Examples**
 
@@ -44,10 +45,13 @@ the skies are.
 `omma light show --sun 40 --kind overcast -o cloud.png --wavelength 500`
 
 `omma light show --sun -12 --kind natural -o dusk.png --wavelength 440`
+
+`omma light show --light 'cloudy_sky sun_elevation_deg=30 cloud_fraction=0.3' -o clouds.png`
 """
 
 # Of figures: finer than eyes need.
 _BANDS = 40
+_KINDS = ("clear", "natural", "moonlit", "overcast")
 
 light_app = App(help=LIGHT_HELP, no_args_is_help=True)
 
@@ -63,47 +67,93 @@ def show(
     sun: Annotated[
         float | None, option("Elevation of the sun or the moon, degrees.", "DEG")
     ] = None,
-    azimuth: Annotated[float, option("Its azimuth from north to the east, degrees.", "DEG")] = 0.0,
+    azimuth: Annotated[
+        float | None, option("Its azimuth from north to the east, degrees. Default: 0.", "DEG")
+    ] = None,
     time: Annotated[
         str | None, option("Instead: when, such as 2026-06-21T12:00:00+02:00.", "TIME")
     ] = None,
     place: Annotated[
         str | None, option("And where: latitude and longitude, degrees.", "LAT,LON")
     ] = None,
+    light: Annotated[
+        str | None,
+        option(
+            "Instead: any light, in the words of omma render, such as 'cloudy_sky "
+            "sun_elevation_deg=30 cloud_fraction=0.3'.",
+            "WORDS",
+        ),
+    ] = None,
     kind: Annotated[
-        Literal["clear", "natural", "moonlit", "overcast"], option("Which sky.")
-    ] = "clear",
-    aerosol: Annotated[float, option("Optical depth of haze at 550 nm.", "DEPTH")] = 0.1,
-    ozone: Annotated[float, option("Ozone, Dobson units.", "DU")] = 300.0,
-    albedo: Annotated[float, option("What land gives back, 0 to 1.", "ALBEDO")] = 0.1,
-    height: Annotated[float, option("Of the land above the sea, m.", "M")] = 0.0,
+        str | None, option("Which sky. Default: clear.", "[clear|natural|moonlit|overcast]")
+    ] = None,
+    aerosol: Annotated[
+        float | None, option("Optical depth of haze at 550 nm. Default: 0.1.", "DEPTH")
+    ] = None,
+    ozone: Annotated[float | None, option("Ozone, Dobson units. Default: 300.", "DU")] = None,
+    albedo: Annotated[
+        float | None, option("What land gives back, 0 to 1. Default: 0.1.", "ALBEDO")
+    ] = None,
+    height: Annotated[
+        float | None, option("Of the land above the sea, m. Default: 0.", "M")
+    ] = None,
     haze_kind: Annotated[
-        Literal["rural", "urban", "maritime", "smoke"], option("Kind of haze.")
-    ] = "rural",
+        Literal["rural", "urban", "maritime", "smoke"] | None,
+        option("Kind of haze. Default: rural."),
+    ] = None,
     wavelength: Annotated[
         list[float] | None, option("To draw, nm; may be repeated. Default: 350, 440, 550.", "NM")
     ] = None,
-    unit: Annotated[Literal["photons", "watts"], option("Of light.")] = "photons",
+    unit: Annotated[
+        Literal["photons", "watts"] | None, option("Of light. Default: photons.")
+    ] = None,
 ) -> None:
     """Draw a sky."""
     names = figure_names(output)
     check_outputs(*output)
     with working():
-        with as_named(
-            sun_elevation_deg="sun",
-            sun_azimuth_deg="azimuth",
-            ozone_du="ozone",
-            height_m="height",
-            latitude_deg="place",
-            longitude_deg="place",
-        ):
-            air: dict[str, Any] = {"aerosol": aerosol, "ozone_du": ozone, "albedo": albedo}
-            air |= {"height_m": height, "haze_kind": haze_kind}
-            air |= {"bands": Bands.equal(_BANDS), "unit": unit}
-            light = _sky(kind, sun, azimuth, time, place, air)
-        plot_sky(names, light, wavelength or (350.0, 440.0, 550.0))
+        air: dict[str, Any] = {"aerosol": aerosol, "ozone_du": ozone, "albedo": albedo}
+        air |= {"height_m": height, "haze_kind": haze_kind, "unit": unit}
+        said = {name: one for name, one in air.items() if one is not None}
+        if light is not None:
+            beside = {"sun": sun, "azimuth": azimuth, "time": time, "place": place, "kind": kind}
+            beside |= {"ozone": ozone, "height": height, **said}
+            shown = _in_words(light, [name for name, one in beside.items() if one is not None])
+        else:
+            chosen = _checked_kind(kind or "clear")
+            with as_named(
+                sun_elevation_deg="sun",
+                sun_azimuth_deg="azimuth",
+                ozone_du="ozone",
+                height_m="height",
+                latitude_deg="place",
+                longitude_deg="place",
+            ):
+                said["bands"] = Bands.equal(_BANDS)
+                shown = _sky(chosen, sun, azimuth or 0.0, time, place, said)
+        plot_sky(names, shown, wavelength or (350.0, 440.0, 550.0))
     for name in names:
         say(f"wrote {name}")
+
+
+def _in_words(words: str, others: list[str]) -> Light:
+    """The light of --light; ``others``: arguments that were given beside it."""
+    if others:
+        raise Error(f"{others[0]}: goes without --light, whose words say it all")
+    name, _, arguments = words.partition(" ")
+    if name in SKIES and "bands=" not in arguments:
+        words += f" bands={_BANDS}"
+    light: Light = parse_light(words)["light"]
+    return light
+
+
+def _checked_kind(kind: str) -> str:
+    if kind not in _KINDS:
+        raise Error(
+            f"kind: expected one of {', '.join(_KINDS)}, found {kind!r:.40}; --light draws all "
+            "others, such as --light 'cloudy_sky sun_elevation_deg=30'"
+        )
+    return kind
 
 
 def _sky(
@@ -116,7 +166,7 @@ def _sky(
 ) -> Light:
     """``air``: arguments that all skies take."""
     if (sun is None) == (time is None) or (time is None) != (place is None):
-        raise Error("show: expected either --sun or --time and --place")
+        raise Error("show: expected either --sun or --time and --place, or --light")
     if sun is None:
         if kind not in ("clear", "natural"):
             raise Error(f"kind: expected clear or natural with --time and --place, found {kind}")

@@ -240,7 +240,8 @@ def plot_distances(
     Args:
         paths: names ending in .pdf, .svg or .png.
         distances: (N,), as `noise_limited_distance` gives them, or (N, M) of M series, such as
-            lights or animals; from 0 on.
+            lights or animals; from 0 on. NaN, of a colour without a value, leaves a gap: its name
+            is there, and no mark.
         labels: N names of what is compared, from the top.
         series: M names; may be left out where there is one.
         threshold: where the line is.
@@ -249,15 +250,16 @@ def plot_distances(
         >>> omma.colour_vision.plot_distances("distances.png", [8.6, 0.7], ["petal", "sepal"])
 
     Raises:
-        omma.Error: distances that are negative or not finite, labels or series of another number,
-            another ending, Matplotlib is missing, a file cannot be written.
+        omma.Error: distances that are negative or infinite, or NaN throughout, labels or series of
+            another number, another ending, Matplotlib is missing, a file cannot be written.
     """
     names = figure_names(paths)
     shown = array_of(distances, "distances", [("N",), ("N", "M")])
     if shown.size == 0:
         raise Error(f"distances: expected numbers, found shape {shown.shape}")
-    if not np.all((shown >= 0) & np.isfinite(shown)):
-        raise Error("distances: expected finite numbers from 0 on")
+    known = ~np.isnan(shown)
+    if not np.all((shown[known] >= 0) & np.isfinite(shown[known])) or not known.any():
+        raise Error("distances: expected finite numbers from 0 on, or NaN where there is none")
     least = positive(threshold, "threshold")
     columns = shown if shown.ndim == 2 else shown[:, None]
     rows = named(labels, "labels", len(columns))
@@ -269,7 +271,7 @@ def plot_distances(
         figure = load_matplotlib()(figsize=(120 * MM, height * MM), layout="constrained")
         panel = figure.add_subplot()
         at = np.arange(len(rows))
-        panel.hlines(at, 0, columns.max(axis=1), color=GREY, linewidth=0.4, zorder=1)
+        panel.hlines(at, 0, np.nan_to_num(columns).max(axis=1), color=GREY, linewidth=0.4, zorder=1)
         for k, name in enumerate(kinds):
             panel.plot(columns[:, k], at, linestyle="", label=name, **mark(k))
         panel.axvline(least, color=INK, linewidth=0.8, linestyle="--")
@@ -281,7 +283,7 @@ def plot_distances(
         panel.set_yticks(at, rows)
         panel.set(
             xlabel="distance (just-noticeable differences)",
-            xlim=(0, 1.06 * max(float(shown.max()), 1.5 * least)),
+            xlim=(0, 1.06 * max(float(np.nanmax(shown)), 1.5 * least)),
             ylim=(len(rows) - 0.4, -0.6),
         )
         if any(kinds):

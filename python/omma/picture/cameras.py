@@ -13,6 +13,7 @@ from omma.base.arguments import array_of, checked, whole
 from omma.base.progress import Progress
 from omma.eye.files import load_eye
 from omma.picture.projections import PROJECTIONS, LinearPicture
+from omma.picture.response_scale import is_rgb_below_0
 from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.renderer import Renderer
 from omma.scene.world import World
@@ -90,8 +91,16 @@ def display(picture: LinearPicture, gamma: float = 2.2) -> NDArray[np.uint8]:
     """A linear picture (height, width, 3) as `save_png` takes it: uint8 of the same shape.
 
     Display value = 255 * clamp(radiance) ** (1 / gamma).
+
+    Raises:
+        omma.Error: another shape, or numbers below 0, which no colour shows: a luminance under
+            -0.1. Less than that, as of colours that no screen has, is cut off.
     """
     picture = array_of(picture, "picture", (None, None, 3), np.float32)
+    if is_rgb_below_0(picture):
+        raise Error(
+            f"picture: expected red, green and blue from 0 on, found {np.nanmin(picture):.3g}"
+        )
     height, width = picture.shape[:2]
     pixels = np.arange(height * width, dtype=np.int32).reshape(height, width)
     return _core.paint(pixels, picture.reshape(-1, picture.shape[2]), gamma)

@@ -43,14 +43,13 @@ from omma.picture.map_projections import (
     map_directions,
     project_directions,
 )
-from omma.picture.unseen import hatched_ground
+from omma.picture.unseen import NOT_KNOWN, hatched_ground
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _PIXELS = 1100  # across a map
-_NOT_KNOWN = 0.62  # grey
 #: What a map of an eye's property does not show in colours.
 MAP_NOTE = "hatched: no ommatidium looks there; grey: not known, at a rim for want of neighbours"
 
@@ -200,7 +199,7 @@ def draw_map(
     panel.set_aspect("equal")
     panel.set(xlim=(left * 1.02, right * 1.02), ylim=(bottom * 1.02, top * 1.02))
     ground = hatched_ground(the_map.ommatidium == -1, the_map.ommatidium != -2)
-    ground[the_map.ommatidium >= 0, :3] = _NOT_KNOWN
+    ground[the_map.ommatidium >= 0, :3] = NOT_KNOWN
     panel.imshow(ground, extent=the_map.extent, interpolation="nearest")
     padded = np.concatenate([prop.values, [np.nan, np.nan]])
     image = panel.imshow(

@@ -18,7 +18,7 @@ from omma.base.arguments import checked
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.eye.neighbours import sides
 from omma.picture.fields import default_ids, side_by_side_ids
-from omma.picture.projections import Picture, one_pose, projection_size
+from omma.picture.projections import Picture, displayed_pose, projection_size
 from omma.picture.unseen import hatching
 
 if TYPE_CHECKING:
@@ -57,9 +57,9 @@ def framed(
         gamma: display value = 255 * clamp(response) ** (1 / gamma).
 
     Raises:
-        omma.Error: responses of another eye, or arguments that make no sense.
+        omma.Error: responses of another eye or below 0, or arguments that make no sense.
     """
-    return Frame(eye, width, height, apart).paint(one_pose(eye, responses), gamma)
+    return Frame(eye, width, height, apart).paint(displayed_pose(eye, responses), gamma)
 
 
 class Frame:

@@ -16,7 +16,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, whole
 from omma.picture.fields import field_ids, side_by_side_ids
 from omma.picture.kept_ids import Ids, kept_ids
-from omma.picture.projections import Picture, one_pose, projection_ids
+from omma.picture.projections import Picture, displayed_pose, one_pose, projection_ids
 from omma.picture.unseen import hatch
 
 __all__ = [
@@ -124,9 +124,9 @@ def equirectangular(
         gamma: display value = 255 * clamp(response) ** (1 / gamma).
 
     Raises:
-        omma.Error: responses of another eye, or arguments that make no sense.
+        omma.Error: responses of another eye or below 0, or arguments that make no sense.
     """
-    one = one_pose(eye, responses)
+    one = displayed_pose(eye, responses)
     ids = equirectangular_ids(eye, width, height, by=by, max_angle_deg=max_angle_deg)
     return hatch(_core.paint(ids, one, gamma), ids < 0)
 
@@ -153,8 +153,8 @@ def side_by_side(
         gamma: as in `equirectangular`.
 
     Raises:
-        omma.Error: responses of another eye, or arguments that make no sense.
+        omma.Error: responses of another eye or below 0, or arguments that make no sense.
     """
-    one = one_pose(eye, responses)
+    one = displayed_pose(eye, responses)
     ids = side_by_side_ids(eye, width, height)
     return hatch(_core.paint(ids, one, gamma), ids < 0)

@@ -15,6 +15,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole
 from omma.picture.fields import default_ids
 from omma.picture.kept_ids import Ids, kept_ids
+from omma.picture.response_scale import is_rgb_below_0
 from omma.picture.unseen import aspect_of, hatch, unseen
 
 Picture = NDArray[np.uint8]
@@ -100,7 +101,8 @@ def project(
         `encode_ids`.
 
     Raises:
-        omma.Error: responses of another eye, or arguments that make no sense.
+        omma.Error: responses of another eye or, but for ``linear``, below 0 (no colour shows
+            them), or arguments that make no sense.
     """
     if projection is not None and projection.endswith("_ids"):
         if linear:
@@ -117,7 +119,7 @@ def project(
         ids = np.where((ids >= 0) & (rows < samples), ids * np.int32(samples) + rows, np.int32(-1))
         shown = rays.reshape(-1, rays.shape[2])
     else:
-        shown = one_pose(eye, responses)
+        shown = (one_pose if linear else displayed_pose)(eye, responses)
         ids = projection_ids(eye, projection, width, height)
     if linear:
         return paint_linear(ids, shown)
@@ -165,6 +167,18 @@ def one_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
             f"{array.shape}"
         )
     return array
+
+
+def displayed_pose(eye: Eye, responses: Any) -> NDArray[np.float32]:
+    """`one_pose` for a display, which has no colours for numbers below 0."""
+    one = one_pose(eye, responses)
+    if is_rgb_below_0(one):
+        raise Error(
+            f"responses: expected red, green and blue from 0 on, found {one.min():.3g}; "
+            "plot_responses draws such numbers, one channel at a time, and project keeps them with "
+            "linear=True"
+        )
+    return one
 
 
 def _rays_of_one_pose(eye: Eye, rays: Any) -> NDArray[np.float32]:

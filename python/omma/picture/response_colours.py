@@ -29,6 +29,8 @@ _COLOURS = {
     2: ((1, 1, 0), (0, 0, 1)),
     3: ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
 }
+# Dimensions of what is not in bands of light.
+_COMPONENTS = ("direction", "axis", "instance")
 _WAVELENGTHS_NM = np.arange(300.0, 751.0)
 _GREY = 1e-5  # single precision, and sums of it
 _POLARISED = 1.001  # a polarisation sensitivity above it tells directions apart
@@ -36,10 +38,12 @@ _POLARISED = 1.001  # a polarisation sensitivity above it tells directions apart
 
 @dataclass(frozen=True)
 class Shown:
-    """values: (P, N, K) of P poses, N ommatidia and K (1 to 3) channels. names: of the channels."""
+    """values: (P, N, K) of P poses, N ommatidia and K (1 to 3) channels. names: of the channels, ""
+    of one that has none. quantity: what a labelled array that is not of responses calls itself."""
 
     values: Floats
     names: tuple[str, ...]
+    quantity: str | None = None
 
 
 def bands_shown(
@@ -50,39 +54,73 @@ def bands_shown(
     centers_nm: Sequence[float] | None = None,
 ) -> Shown:
     """Of responses (N, C) or (P, N, C) the bands to show; all three of RGB where none is chosen.
-    ``centers_nm`` name bands of light."""
+    One channel may come as (N,) or (P, N). ``centers_nm`` name bands of light."""
     array = array_of(responses, name)
+    quantity, components = _labels(responses)
+    is_one = array.ndim == 1 or (
+        array.ndim == 2 and (components == () or len(array) != len(eye) == array.shape[1])
+    )
+    array = array[..., None] if is_one else array
     array = array[None] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[1] != len(eye) or 0 in array.shape:
         raise Error(
-            f"{name}: expected shape ({len(eye)}, bands) or (poses, {len(eye)}, bands), found "
-            f"{np.shape(responses)}"
+            f"{name}: expected shape ({len(eye)}, bands) or (poses, {len(eye)}, bands), or of one "
+            f"channel ({len(eye)},) or (poses, {len(eye)}), found {np.shape(responses)}"
         )
     bands = array.shape[2]
     if channels is None:
-        if bands == _core.rgb_bands:
-            return Shown(array, SHOWN_AS[3])
+        if bands == _core.rgb_bands and not components:
+            return Shown(array, SHOWN_AS[3], quantity)
         if bands > 1:
-            raise Error(f"channels: expected one to three of the {bands} bands, found none")
+            raise Error(_no_channels(bands, name))
         channels = (0,)
     chosen = [each for each in channels if isinstance(each, int) and 0 <= each < bands]
     for each in channels:
         if each not in chosen:
             raise Error(f"channels: expected bands from 0 to {bands - 1}, found {each!r}")
+    if is_one:
+        return Shown(array, ("",), quantity)
     if centers_nm is not None and len(centers_nm) != bands:
         raise Error(f"light: expected as many bands as {name}, {bands}, found {len(centers_nm)}")
-    called = [
+    called = components or [
         f"band {each}" + (f", {centers_nm[each]:.0f} nm" if centers_nm is not None else "")
-        for each in chosen
+        for each in range(bands)
     ]
-    return Shown(array[..., chosen], tuple(called))
+    return Shown(array[..., chosen], tuple(called[each] for each in chosen), quantity)
+
+
+def _no_channels(bands: int, name: str) -> str:
+    text = f"channels: expected one to three of the {bands} bands, found none"
+    if bands == 2:
+        text += (
+            f"; as of flow to the right and up, channels=[0] draws the first, "
+            f"numpy.linalg.norm({name}, axis=-1) in their place the length"
+        )
+    return text
+
+
+def _labels(responses: Any) -> tuple[str | None, Sequence[str] | None]:
+    """Of a labelled array that is of something else than light, as of ground truth, what it is, and
+    what its components are called: none where it has none. None: nobody says."""
+    dimensions = getattr(responses, "dims", None)
+    if not isinstance(dimensions, tuple) or not dimensions:
+        return None, None
+    last = dimensions[-1]
+    if last == "ommatidium":
+        components: Sequence[str] | None = ()
+    elif last in _COMPONENTS and last in getattr(responses, "coords", {}):
+        components = [str(each) for each in np.asarray(responses.coords[last])]
+    else:
+        return None, None
+    quantity = getattr(responses, "attrs", {}).get("long_name")
+    return (quantity if isinstance(quantity, str) else None), components
 
 
 def is_grey(shown: Sequence[Shown]) -> bool:
     """Whether red, green and blue are the same throughout, as of a stimulus in black and white."""
     return all(
         each.names == SHOWN_AS[3]
-        and np.allclose(each.values, each.values[..., :1], rtol=_GREY, atol=0)
+        and np.allclose(each.values, each.values[..., :1], rtol=_GREY, atol=0, equal_nan=True)
         for each in shown
     )
 

@@ -25,8 +25,8 @@ _LETTERS = 34  # as many as fit beside the strips
 class Scale:
     """How responses are shown: names of the channels, and what is said below the scale.
 
-    coloured: as display colours, else by a colour bar. unit: of responses, "" where they have none,
-    None where nobody said.
+    coloured: as display colours, else by a colour bar; of a signed one 0 is the middle. unit: of
+    responses, "" where they have none, None where nobody said.
     """
 
     names: tuple[str, ...]
@@ -35,6 +35,7 @@ class Scale:
     gamma: float
     what: str
     unit: str | None
+    signed: bool = False
 
 
 def centers_nm(light: Light | None) -> list[float] | None:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, expect, positive
-from omma.base.arrays import Floats
+from omma.base.arguments import checked, expect, positive
+from omma.base.arrays import Flags, Floats
 from omma.base.figures import MM, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike
 from omma.eye.neighbours import sides
@@ -38,7 +38,15 @@ from omma.picture.response_legend import (
     name_scale,
     unit_of,
 )
-from omma.picture.unseen import aspect_of, hatched_ground, inside_outline, unseen
+from omma.picture.response_scale import (
+    check_colours,
+    cut_off,
+    end_of_scale,
+    is_signed,
+    largest,
+    missing_words,
+)
+from omma.picture.unseen import NOT_KNOWN, aspect_of, hatched_ground, inside_outline, unseen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +54,8 @@ if TYPE_CHECKING:
 
 _PIXELS = 1080  # across a picture of the whole sphere
 _MOST_PICTURES = 24
-_ERROR_COLOURS = "magma"
+_COLOURS, _ERROR_COLOURS = "viridis", "magma"
+_SIGNED_COLOURS = "RdBu_r"  # white at 0, told apart by colour-blind eyes
 _WIDTH_MM = 180.0
 _LETTERS = 90  # of a title across the figure
 _UNITS = 12  # columns of the grid, which 1, 2, 3 and 4 pictures in a row divide
@@ -54,9 +63,10 @@ _UNITS = 12  # columns of the grid, which 1, 2, 3 and 4 pictures in a row divide
 
 @dataclass(frozen=True)
 class _Picture:
-    """One picture: pixel values (H, W, K), NaN where no ommatidium is."""
+    """One picture: pixel values (H, W, K), NaN where no ommatidium is ``seen`` (H, W)."""
 
     values: Floats
+    seen: Flags
     title: str
     is_error: bool
 
@@ -81,14 +91,18 @@ def plot_responses(
     """Write a figure of responses to `.pdf`, `.svg` and `.png`: a picture for each pose of each
     eye, all with the same scale of colours.
 
-    One channel is shown by a colour bar; two or three as colours, explained in the legend, with
-    display value = (response / full_scale) ** (1 / gamma). Red, green and blue that are the same
-    throughout are one channel, grey. Directions that no ommatidium sees are hatched.
+    One channel is shown by a colour bar: from 0 on, or where numbers lie below 0, from blue over
+    white at 0 to red, as far below as above. Infinite numbers and NaN are grey, which is said below
+    the figure. Two or three channels are shown as colours, explained in the legend, with display
+    value = (response / full_scale) ** (1 / gamma). Colours cannot show numbers below 0: down to a
+    tenth of the scale (of red, green and blue their luminance) they are cut off and the legend says
+    so, beyond it is an error. Red, green and blue that are the same throughout are one channel,
+    grey. Directions that no ommatidium sees are hatched.
 
     Args:
         eye: an eye, or several, of different animals say.
-        responses: of one eye (N, C) or (P, N, C), as `Renderer.render` gives them; of several eyes
-            a sequence of such arrays.
+        responses: of one eye (N, C) or (P, N, C), as `Renderer.render` gives them, or of one
+            channel (N,) or (P, N), as distances are; of several eyes a sequence of such arrays.
         errors: their standard errors, of the same shape: drawn beside, as the root of the mean
             square over the channels shown.
         receptors: ``responses`` are receptors', (R,) or (P, R), as `Renderer.render_receptors`
@@ -100,18 +114,20 @@ def plot_responses(
         channels: one to three bands by number, or receptors by name, in the order red, green, blue
             (yellow, blue). Default: red, green and blue of RGB.
         light: what lit the world that was seen: names the bands and the unit in the legend. Arrays
-            that `omma.rendering.load_responses` and `Renderer.dataset` give know their unit.
+            that `omma.rendering.load_responses` and `Renderer.dataset` give know their unit, and
+            those of ground truth what they are.
         projection: as in `projection_ids`, without ``_ids`` and not ``raw_ommatidial_samples``.
-        full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest; but
-            where that is more than ten times what 99 of 100 have, as where the sun is seen, what
-            these have.
+        full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest, by
+            its size where numbers lie below 0; but where that is more than ten times what 99 of 100
+            have, as where the sun is seen, what these have.
         quantity: what the numbers are, with its unit, where they are not responses: instead of what
             the legend would say of them.
         titles: of the pictures, in order: all poses of the first eye, then those of the next.
         title: above all of them.
 
     Raises:
-        omma.Error: shapes that do not fit the eyes, over 24 pictures, another ending, Matplotlib is
+        omma.Error: shapes that do not fit the eyes, two or three channels with numbers that are not
+            finite or far below 0, errors below 0, over 24 pictures, another ending, Matplotlib is
             missing, a file cannot be written.
     """
     names = figure_names(paths)
@@ -138,20 +154,28 @@ def plot_responses(
         for one, other in zip(shown, beside, strict=True):
             if one.values.shape != other.values.shape:
                 raise Error("errors: expected the shape of responses")
-    rgb = not receptors and channels is None and len(shown[0].names) == 3
-    if full_scale is None:
-        full_scale = 1.0 if rgb else _end_of_scale(shown)
-    positive(full_scale, "full_scale")
-    what = quantity or "response"
-    if 1.001 * full_scale < _largest(shown):
-        what += ", brighter cut off" if quantity is None else ", more cut off"
-    coloured = len(shown[0].names) > 1
-    if is_grey(shown):
+        if any(np.any(each.values < 0) for each in beside):
+            raise Error("errors: expected numbers from 0 on, found some below")
+    coloured, grey = len(shown[0].names) > 1, is_grey(shown)
+    if grey:
         shown = [Shown(each.values[..., :1], ("red = green = blue",)) for each in shown]
-    unit = unit_of(light, arrays) if quantity is None else ""
-    if not coloured and quantity is None:
+        # A bar shows what greys cannot.
+        coloured = not is_signed(shown) and not missing_words(shown)
+    if full_scale is None:
+        rgb = not receptors and channels is None and coloured and (grey or len(shown[0].names) == 3)
+        full_scale = 1.0 if rgb else end_of_scale(shown)
+    positive(full_scale, "full_scale")
+    if coloured:
+        check_colours(shown, full_scale, "responses")
+    known_as = shown[0].quantity if quantity is None else quantity
+    what = known_as or "response"
+    if not coloured and quantity is None and shown[0].names[0]:
         what += f": {shown[0].names[0]}"
-    scale = Scale(shown[0].names, coloured, full_scale, gamma, what, unit)
+    what += cut_off(shown, full_scale, coloured, "more" if known_as else "brighter")
+    unit = unit_of(light, arrays) if quantity is None else ""
+    scale = Scale(
+        shown[0].names, coloured, full_scale, gamma, what, unit, not coloured and is_signed(shown)
+    )
     count = sum(len(each.values) for each in shown)
     if count > _MOST_PICTURES:
         raise Error(f"responses: expected at most {_MOST_PICTURES} pictures, found {count}")
@@ -160,6 +184,8 @@ def plot_responses(
     rows = _rows(_entries(eyes, shown, beside, projection, titles))
     with figure_style():
         figure = _figure(rows, projection, eyes, scale, beside)
+        if missing := missing_words([*shown, *(beside or ())]):
+            figure.supxlabel(f"grey: {missing}", fontsize="x-small")
         if title is not None:
             figure.suptitle(title, fontsize="large", weight="bold")
         save_figure(figure, names, dpi=200)
@@ -175,27 +201,12 @@ def _all_shown(
 ) -> list[Shown]:
     if len(arrays) != len(eyes):
         raise Error(f"{name}: expected {len(eyes)} arrays, one for each eye, found {len(arrays)}")
-    for array in arrays:
-        array_of(array, name, finite=True)
     of = receptors_shown if receptors else partial(bands_shown, centers_nm=centers_nm(light))
     shown = [of(eye, array, channels, name) for eye, array in zip(eyes, arrays, strict=True)]
     kinds = {len(each.names) for each in shown}
     if len(kinds) > 1:
         raise Error(f"channels: expected as many of each eye, found {sorted(kinds)}")
     return shown
-
-
-def _largest(shown: Sequence[Shown]) -> float:
-    most = max(float(np.nanmax(each.values, initial=0.0)) for each in shown)
-    return most if most > 0 else 1.0
-
-
-def _end_of_scale(shown: Sequence[Shown]) -> float:
-    """The largest; where a few outshine all others, what all but a hundredth have."""
-    most = _largest(shown)
-    known = np.concatenate([each.values[np.isfinite(each.values)].ravel() for each in shown])
-    often = float(np.quantile(known, 0.99)) if known.size else 0.0
-    return often if 0 < 10 * often < most else most
 
 
 def _entries(
@@ -233,7 +244,10 @@ def _entries(
                 entry.append(
                     [
                         _Picture(
-                            _painted(ids, values), "standard error" if is_error else title, is_error
+                            _painted(ids, values),
+                            ids >= 0,
+                            "standard error" if is_error else title,
+                            is_error,
                         )
                         for ids, title in zip(maps, called, strict=True)
                     ]
@@ -288,7 +302,7 @@ def _figure(
         figsize=(_WIDTH_MM * MM, (sum(heights) + 6) * MM), layout="constrained"
     )
     grid = figure.add_gridspec(len(heights), _UNITS, height_ratios=heights)
-    largest_error = _largest(beside) if beside is not None else 1.0
+    largest_error = largest(beside) if beside is not None else 1.0
     errors = None
     for k, row in enumerate(rows):
         each = _UNITS // (columns if len(row) > 1 else 1)
@@ -327,13 +341,18 @@ def _draw(
     largest_error: float,
 ) -> Any:
     values = picture.values
-    known = np.isfinite(values[..., 0])
+    known = np.isfinite(values).all(axis=-1)
     ground = hatched_ground(
-        unseen(np.where(known, 0, -1), projection), inside_outline(projection, *known.shape)
+        unseen(np.where(picture.seen, 0, -1), projection), inside_outline(projection, *known.shape)
     )
+    ground[picture.seen & ~known] = (NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, 1)
     panel.imshow(ground, extent=extent, interpolation="nearest", zorder=0)
     one = values[..., 0]
-    limits: dict[str, Any] = {"cmap": "viridis", "vmin": 0.0, "vmax": scale.full_scale}
+    limits: dict[str, Any] = {
+        "cmap": _SIGNED_COLOURS if scale.signed else _COLOURS,
+        "vmin": -scale.full_scale if scale.signed else 0.0,
+        "vmax": scale.full_scale,
+    }
     if picture.is_error:
         one = np.sqrt((values**2).mean(axis=-1))
         limits = {"cmap": _ERROR_COLOURS, "vmin": 0.0, "vmax": largest_error}

@@ -5,8 +5,8 @@ what sky and sun give to level ground.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
-from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.light.lights import Light
+from omma.picture.light_titles import is_made_by, light_title
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
@@ -26,6 +27,10 @@ _LEAST_POLARISED = 0.01  # below it there is no angle to draw
 # hazy ones at long wavelengths, and in clouds.
 _AROUND_DEG, _LEAST_AROUND = 6.0, 0.02
 _MOST_WAVELENGTHS = 6
+_LETTERS = 100  # of a title across the figure
+# From the sun or from the point opposite: of clear skies of all suns, bands and hazes that there
+# are tables of, Babinet's are up to 28 degrees away, Brewster's up to 37 and Arago's up to 31.
+_MOST_AWAY_DEG = 45.0
 #: Of spectral radiance and irradiance.
 RADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "watts": "W m⁻² sr⁻¹ nm⁻¹"}
 _IRRADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ nm⁻¹", "watts": "W m⁻² nm⁻¹"}
@@ -46,7 +51,9 @@ def plot_sky(
     The sky as a map, seen from above: -Z (north) at the top, +X (east) at the right, the zenith in
     the middle, equal angles equally far. Crosses are neutral points on the sun's meridian, where
     nothing is polarised; in a sky that was changed or put together, by clouds say, only those with
-    polarised light around them. A yellow dot is the sun or the moon, where it shines.
+    polarised light around them. Names are of those above water that lie where the sky's own do,
+    within 45° of the sun or of the point opposite. A yellow dot is the sun or the moon, where it
+    shines.
 
     Args:
         paths: .pdf, .svg or .png, one or several.
@@ -65,12 +72,14 @@ def plot_sky(
     positive(size_mm, "size_mm")
     bands = [int(np.argmin(np.abs(light.bands.centers_nm - nm))) for nm in chosen]
     with figure_style(max(3.0, 7 * size_mm / 180)):
-        save(_figure(light, bands, title or _title(light), size_mm), names)
+        called = title or textwrap.fill(light_title(light), _LETTERS)
+        save(_figure(light, bands, called, size_mm), names)
 
 
 def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     """Neutral points on the meridian of the first disc, above the horizon: names and directions
-    (3,). Above the sun Babinet's, below it Brewster's, over the zenith Arago's.
+    (3,). Within 45° above the sun it is Babinet's, below it Brewster's, above the point opposite
+    Arago's; elsewhere, and under water, where the surface polarises too, "".
 
     A sky that is no longer as it was made may have clouds, in which polarisation is too weak to
     have a neutral point that anyone could see, though it still changes its sign there.
@@ -89,17 +98,26 @@ def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     q = stokes[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         degree = np.hypot(q, stokes[:, 2]) / stokes[:, 0]
+    is_submerged = is_made_by(light, "under_water")
+    is_changed = light.recipe is None or is_submerged or is_made_by(light, "clouded", "plus")
     reach = round(_AROUND_DEG / (arc[1] - arc[0]))
     found = []
     for k in np.flatnonzero(q[:-1] * q[1:] < 0):
         beside = degree[max(k - reach, 0) : k + 1].max(), degree[k + 1 : k + reach + 2].max()
-        if light.recipe is None and not min(beside) >= _LEAST_AROUND:
+        if is_changed and not min(beside) >= _LEAST_AROUND:
             continue
         at = arc[k] + (arc[k + 1] - arc[k]) * q[k] / (q[k] - q[k + 1])
-        name = "Arago" if at > 90 else "Babinet" if at > sun else "Brewster"
+        name = "" if is_submerged else _name(at - float(sun), 180 + float(sun) - at)
         towards = direction(azimuth, at) if at <= 90 else direction(azimuth + 180, 180 - at)
         found.append((name, np.asarray(towards)))
     return found
+
+
+def _name(from_sun_deg: float, from_antisun_deg: float) -> str:
+    """Of a neutral point so far up from the sun, and from the point opposite to it."""
+    if abs(from_sun_deg) <= _MOST_AWAY_DEG:
+        return "Babinet" if from_sun_deg > 0 else "Brewster"
+    return "Arago" if 0 < from_antisun_deg <= _MOST_AWAY_DEG else ""
 
 
 def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
@@ -256,28 +274,3 @@ def _spectra(panel: Any, light: Light) -> None:
     panel.set(xlabel="wavelength (nm)", ylabel=f"on level ground\n({unit})", ylim=(0, None))
     if panel.lines:
         panel.legend(frameon=False, loc="upper left")
-
-
-# By the ends of names of arguments.
-_TITLE_UNITS = {"deg": "°", "du": " DU", "m": " m"}
-
-
-def _title(light: Light) -> str:
-    if light.recipe is None:
-        return f"{len(light.bands)} bands"
-    name, arguments = light.recipe
-    if "light" in arguments:
-        return _title(arguments["light"])
-    words = []
-    for key, value in arguments.items():
-        quantity, _, ending = key.rpartition("_")
-        if isinstance(value, (int, float)):
-            unit = _TITLE_UNITS.get(ending, "")
-            words.append(f"{(quantity if unit else key).replace('_', ' ')} {value:g}{unit}")
-        elif key == "haze_kind":
-            words.append(f"{value} haze")
-    called = name.replace("_", " ")
-    moment = arguments.get("date_time")
-    if isinstance(moment, datetime):
-        called += f" {moment.isoformat(' ', 'minutes')}"  # "clear sky at ..."
-    return ", ".join([called, *words])
