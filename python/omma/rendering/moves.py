@@ -195,6 +195,18 @@ class Moves:
             self._by_light,
         )
 
+    def is_path(self) -> bool:
+        """Whether its times say when poses are one after the other, and things move meanwhile."""
+        if self._times is None or len(self._times) < 2 or not np.isfinite(self._times).all():
+            return False
+        moving = len(self._instances) > 0 or len(self._world._engine.animated) > 0
+        return moving and bool((np.diff(self._times) > 0).all())
+
+    def head_velocity(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The head's linear and angular velocity along a path, each (P, 3)."""
+        assert self._times is not None
+        return velocities_from_poses(self._poses, self._times)
+
     def velocities(self, told: Collection[int]) -> dict[int, tuple[Any, Any]]:
         """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.
 
