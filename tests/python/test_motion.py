@@ -347,7 +347,7 @@ def test_what_are_no_frames():
         detectors.run(np.ones(4))
     with pytest.raises(omma.Error, match="outputs: expected 1 along axis -1, found 2"):
         detectors.vectors(np.ones(2), axis=-1)
-    with pytest.raises(omma.Error, match=r"expected 1 detectors along the last .*shape \(1, 2, 2\)"):
+    with pytest.raises(omma.Error, match=r"expected 1 detectors along the .*shape \(1, 2, 2\)"):
         detectors.vectors(np.ones((1, 2, 2)))
     with pytest.raises(TypeError, match=r"state: expected omma\.motion\.DetectorState"):
         detectors.step("the last one", np.ones(4))

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye
 from omma.base.arguments import Shape, array_of, checked, whole
 from omma.base.arrays import Floats, Ints
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.motion.filters import FilterStep, filter_step
 from omma.motion.pairs import displacements_rad, neighbour_pairs
@@ -256,6 +257,9 @@ def detector_array(
     Raises:
         omma.Error: pairs of ommatidia that there are not, time constants that are not above 0 or
             no match for the frame rate, an eye without a hexagonal lattice and no pairs given.
+
+    Warns:
+        UserWarning: time constants above 5 s, or a frame rate below 1 Hz.
     """
     if pairs is None:
         chosen = neighbour_pairs(eye)
@@ -263,7 +267,12 @@ def detector_array(
         chosen = array_of(pairs, "pairs", (None, 2), np.int64)
         _check_pairs(chosen, len(eye))
     where = displacements_rad(eye, chosen)
-    return DetectorArray(len(eye), chosen, where, tau_s, frame_rate_hz, high_pass_tau_s)
+    made = DetectorArray(len(eye), chosen, where, tau_s, frame_rate_hz, high_pass_tau_s)
+    for name in ("tau_s", "high_pass_tau_s"):
+        if getattr(made, name) is not None:
+            warn_of_slip("time constant", getattr(made, name), name)
+    warn_of_slip("frames per second", made.frame_rate_hz, "frame_rate_hz")
+    return made
 
 
 def _check_pairs(pairs: Ints, count: int) -> None:

@@ -13,6 +13,7 @@ from omma._core import Error
 from omma.base.arguments import array_of
 from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
+from omma.base.slips import warn_of_slip
 from omma.base.velocities import velocities_between, velocities_from_poses
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
@@ -131,6 +132,11 @@ class Moves:
                 "times_s: expected when each pose is, as frames last with an impulse response, "
                 "found None"
             )
+        if impulse_response is not None and self._times is not None and poses > 1:
+            # Of the shortest: rests between sequences may be long.
+            shortest = float(np.diff(self._times).min())
+            if shortest > impulse_response.duration_s:
+                warn_of_slip("time between frames", shortest, "times_s")
         self._animations = animations_of(world.scene, animation)
         self._past = np.empty((0, 4, 4)), np.empty(0)
         self._past_transforms = np.empty((0, len(self._instances), 4, 4))

@@ -67,7 +67,8 @@ class GroundTruth:
     shares: Floats32 | None = None
     """(P, N, K), share of the field that each fills. What is left of `met` is other things."""
     flow_rotation_rad_s: Floats32 | None = None
-    """(P, N, 2), right and up, where velocities are known: optic flow from the head's rotation, −ω × d."""
+    """(P, N, 2), right and up, where velocities are known: optic flow from the head's rotation,
+    −ω × d."""
     flow_translation_rad_s: Floats32 | None = None
     """(P, N, 2): from the translation of where the ommatidium's rays start, −(t − (t·d) d) / r."""
     flow_objects_rad_s: Floats32 | None = None

@@ -18,7 +18,6 @@ from omma.stimuli.random_fields import random_field
 from omma.stimuli.shapes import grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.turning import Turning
 
-
 # Noise has within 1 % of so much contrast, as 0.6 % of it are below black.
 _MOST_CONTRAST = 0.4
 
