@@ -109,7 +109,7 @@ def test_other_bands(scene, eye):
 def test_attributes_say_what_it_was_made_of(renderer, flight, eye, scene):
     attributes = renderer.dataset(flight[:1]).attrs
     assert attributes["omma_version"] == omma.__version__
-    assert (attributes["samples"], attributes["seed"]) == (4, "7")
+    assert (attributes["samples"], attributes["seed"]) == (4, 7)
     assert attributes["backend"] == renderer.backend
     with open(scene.path, "rb") as file:
         digest = hashlib.sha256(file.read()).hexdigest()

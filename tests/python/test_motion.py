@@ -297,6 +297,23 @@ def test_vectors_are_not_known_where_all_pairs_lie_in_a_line():
     assert np.isnan(found[1:]).all()
 
 
+def test_vectors_are_of_what_step_and_run_give():
+    """Of one environment or of many, as of each by itself."""
+    detectors = omma.motion.detector_array(omma.eye.generate_eye(60), TAU_S, 100)
+    frames = np.random.default_rng(5).uniform(size=(7, 60, 3))
+    outputs = detectors.run(frames)
+    found = detectors.vectors(outputs)
+    assert found.shape == (7, 60, 3, 2)
+    for k in range(3):
+        alone = detectors.vectors(detectors.run(frames[..., k]))
+        assert np.array_equal(alone, found[:, :, k], equal_nan=True)
+    assert np.array_equal(detectors.vectors(outputs[-1]), found[-1], equal_nan=True)
+    square = np.ones((len(detectors), len(detectors)))
+    with pytest.raises(omma.Error, match=r"axis: expected -1 or -2.*both are so long, found None"):
+        detectors.vectors(square)
+    assert detectors.vectors(square, axis=-2).shape == (60, len(detectors), 2)
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -329,7 +346,9 @@ def test_what_are_no_frames():
     with pytest.raises(omma.Error, match=r"responses: expected shape \(T, 4\) or"):
         detectors.run(np.ones(4))
     with pytest.raises(omma.Error, match="outputs: expected 1 along axis -1, found 2"):
-        detectors.vectors(np.ones(2))
+        detectors.vectors(np.ones(2), axis=-1)
+    with pytest.raises(omma.Error, match=r"expected 1 detectors along the .*shape \(1, 2, 2\)"):
+        detectors.vectors(np.ones((1, 2, 2)))
     with pytest.raises(TypeError, match=r"state: expected omma\.motion\.DetectorState"):
         detectors.step("the last one", np.ones(4))
     assert detectors.run(np.ones((0, 4))).shape == (0, 1)

@@ -597,7 +597,7 @@ def public_calls(folder):
         "species.facts_text": ("honeybee_worker",),
     }  # fmt: skip
     of_stimulus = {
-        "scene": (), "world": {}, "move": (drum.world(), 0.1),
+        "scene": (), "world": {}, "move": (drum.world(), 0.1), "velocities": ([0.0],),
         "expected": ([[0, 0, -1]], 0.1, [0.0]), "transforms": ([0.0],),
         "radiance": ([0, 0, -1], 0.0), "play": (omma.Renderer(drum.world(), eye), [0.0]),
     }  # fmt: skip

@@ -65,6 +65,60 @@ def test_a_slip_is_refused_and_guessed(call, argument, guess):
     assert message.endswith("say allow_unusual=True")
 
 
+def _with_an_impulse_response(times_s):
+    h = omma.photoreceptors.ImpulseResponse.exponential(0.02)
+    renderer = omma.Renderer(
+        omma.scene.sphere(1.0), omma.eye.generate_eye(10), omma.Fixed(1), impulse_response=h
+    )
+    renderer.render(np.tile(np.eye(4), (len(times_s), 1, 1)), times_s=times_s)
+
+
+def _detectors(tau_s, frame_rate_hz, high_pass_tau_s=None):
+    eye = omma.eye.generate_eye(20)
+    omma.motion.detector_array(
+        eye, tau_s, frame_rate_hz, pairs=[[0, 1]], high_pass_tau_s=high_pass_tau_s
+    )
+
+
+H = omma.photoreceptors.ImpulseResponse.exponential(0.02)
+# (call, how the warning begins, what it guesses)
+TIMES = [
+    (lambda: _detectors(35, 250), "tau_s", "35 ms would be 0.035 s"),
+    (lambda: _detectors(0.035, 250, 250), "high_pass_tau_s", "250 ms would be 0.25 s"),
+    (lambda: _detectors(0.035, 0.004), "frame_rate_hz", "0.004 s between frames would be 250 Hz"),
+    (lambda: omma.stimuli.LoomingDisc(50), "l_over_v_s", "50 ms would be 0.05 s"),
+    (lambda: omma.stimuli.LoomingDisc(0.05, 1000), "collision_s", "1000 ms would be 1 s"),
+    (lambda: _with_an_impulse_response([0, 10, 20]), "times_s", "10 ms would be 0.01 s"),
+    (
+        lambda: omma.photoreceptors.filter_frames(np.ones(3), 0.01, H),
+        "frame_rate_hz",
+        "0.01 s between frames would be 100 Hz",
+    ),
+    (
+        lambda: omma.photoreceptors.FrameFilter(H, 0.01),
+        "frame_rate_hz",
+        "0.01 s between frames would be 100 Hz",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "argument", "guess"), TIMES)
+def test_times_and_rates_in_another_unit_are_warned_of(call, argument, guess):
+    with pytest.warns(UserWarning, match=f"^{argument}: .* is unusual .*; {guess}$") as told:
+        call()
+    assert len(told) == 1
+    assert told[0].filename == __file__
+
+
+def test_times_and_rates_that_are_meant_are_not():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _detectors(0.035, 250, 0.25)
+        omma.stimuli.LoomingDisc(0.005, -3.0)
+        _with_an_impulse_response([0, 0.01, 30])
+        _with_an_impulse_response([0.0])
+
+
 @pytest.mark.parametrize(
     "call",
     [

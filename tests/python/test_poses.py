@@ -1,5 +1,7 @@
 """Poses in all their forms, and CSV files of them."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -55,8 +57,16 @@ def test_look_at():
     assert pose == pytest.approx(omma.poses_from_angles((1, 2, 3), (0, 0, 0))[0])
     with pytest.raises(omma.Error, match="target"):
         omma.look_at((1, 2, 3), (1, 2, 3))
-    with pytest.raises(omma.Error, match="up"):
-        omma.look_at((0, 0, 0), (0, 1, 0))
+    for side in (1, -1):
+        view = f"up=(0, 0, {side}), or poses_from_angles(position_m, (0, {90 * side}, 0))[0]"
+        with pytest.raises(omma.Error, match=re.escape(view)):
+            omma.look_at((0, 2, 0), (0, 2 + side, 0))
+        steep = omma.poses_from_angles((0, 2, 0), (0, 90 * side, 0))[0]
+        assert omma.look_at((0, 2, 0), (0, 2 + side, 0), up=(0, 0, side)) == pytest.approx(steep)
+    with pytest.raises(omma.Error, match=r"up: expected.*\[1, 0, 0\] along it.*up=\(0, 1, 0\)"):
+        omma.look_at((0, 0, 0), (5, 0, 0), (1, 0, 0))
+    with pytest.raises(omma.Error, match="up must not be zero"):
+        omma.look_at((0, 0, 0), (0, 1, 0), (0, 0, 0))
     with pytest.raises(omma.Error, match=r"target_m: expected numbers of shape \(3,\)"):
         omma.look_at((0, 0, 0), (0, 1))
 

@@ -16,6 +16,7 @@ from omma.stimuli import (
     Starfield,
     Target,
 )
+from omma.stimuli.panoramas import clipped_noise
 
 
 def share_by_counting(stimulus, axis, acceptance_rad, time_s, value):
@@ -196,8 +197,33 @@ def test_noise_is_the_same_all_around():
     steps = np.abs(np.diff(np.concatenate([pictures, np.array(pictures)[..., :1]], -1), axis=-1))
     steps = steps[:, 20:40].mean(axis=(0, 1))
     assert steps[-1] == pytest.approx(steps.mean(), rel=0.2)
-    assert (NoisePanorama(contrast=2.0, pixel_deg=3.0).picture >= 0).all()
+    assert (NoisePanorama(contrast=0.4, pixel_deg=3.0).picture >= 0).all()
     assert (NoisePanorama(pixel_deg=3.0, seed=1).picture != pictures[0]).any()
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.0])
+def test_noise_has_the_contrast_that_is_asked_for(slope):
+    """As light on the sphere, within 1 %; more than that is refused, with what it would have."""
+    for seed in range(3):
+        picture = NoisePanorama(slope, 0.4, pixel_deg=1.0, seed=seed).picture
+        area = np.cos(np.radians(np.arange(180) - 89.5))[:, None] * np.ones(360)
+        mean = np.average(picture, weights=area)
+        spread = np.sqrt(np.average((picture - mean) ** 2, weights=area))
+        assert mean == pytest.approx(0.5, rel=0.002)
+        assert spread / mean == pytest.approx(0.4, rel=0.01)
+    for contrast, reached, times in ((0.6, "0.568", "1.01"), (1.0, "0.8", "1.08")):
+        with pytest.raises(omma.Error, match=f"contrast: expected 0 to 0.4.*{reached}.*{times}"):
+            NoisePanorama(contrast=contrast)
+
+
+def test_clipped_noise_is_as_by_drawing_it():
+    drawn = np.random.default_rng(0).normal(size=1_000_000)
+    for contrast in (0.0, 0.4, 0.6, 2.0):
+        clipped = np.maximum(1 + contrast * drawn, 0)
+        # Of a million: five standard errors of a mean and of a deviation.
+        assert clipped_noise(contrast) == pytest.approx(
+            (clipped.mean(), clipped.std() / clipped.mean()), rel=0.01
+        )
 
 
 def test_leds_have_pixels_and_levels():

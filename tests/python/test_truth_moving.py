@@ -49,6 +49,25 @@ def path(world):
     return moves[:, None] @ places
 
 
+def test_a_head_without_a_velocity_goes_as_its_poses_do(world, path):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(40), omma.Fixed(4))
+    moves = {"instances": ["ball", "post"], "transforms": path, "times_s": TIMES}
+    found = renderer.ground_truth(POSES, **moves)
+    told = renderer.ground_truth(
+        POSES, head_velocity=omma.velocities_from_poses(POSES, TIMES), **moves
+    )
+    assert np.array_equal(found.flow_rad_s, told.flow_rad_s)
+    still = renderer.ground_truth(np.tile(POSES[:1], (6, 1, 1)), **moves)
+    assert not still.flow_rotation_rad_s.any()
+    assert not still.flow_translation_rad_s.any()
+    assert still.flow_objects_rad_s.any()
+    # No path: of a single time, of times that do not grow.
+    one = {"instances": ["ball", "post"], "transforms": path[:1], "times_s": TIMES[:1]}
+    back = moves | {"times_s": TIMES[::-1]}
+    for poses, given in ((POSES[:1], one), (POSES, back)):
+        assert renderer.ground_truth(poses, **given).flow_rad_s is None
+
+
 def test_it_is_that_of_a_world_moved_so(world, path):
     eye = omma.eye.generate_eye(80)
     renderer = omma.Renderer(world, eye, omma.Fixed(8))

@@ -50,9 +50,24 @@ def look_at(
         [0.0, 1.0, 0.0]
 
     Raises:
-        omma.Error: the target is the position, or ``up`` is along the view.
+        omma.Error: the target is the position, or ``up`` is along the view, as it is by itself
+            where a head looks straight up or down.
     """
-    return _core.look_at(position_m, target_m, up)
+    try:
+        return _core.look_at(position_m, target_m, up)
+    except Error as problem:
+        if "along the view" not in str(problem) or not np.any(up):
+            raise
+        view = np.subtract(target_m, position_m)
+        side = int(np.sign(view[1]))
+        other = "up=(0, 1, 0)"
+        if np.hypot(view[0], view[2]) < 1e-6 * abs(view[1]):
+            # As of a head that has lifted or lowered its view from straight ahead.
+            other = f"up=(0, 0, {side}), or poses_from_angles(position_m, (0, {90 * side}, 0))[0]"
+        raise Error(
+            f"up: expected a direction across the view, found {np.asarray(up).tolist()} along it; "
+            f"give another one, as {other}"
+        ) from None
 
 
 @checked

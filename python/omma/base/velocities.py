@@ -88,3 +88,33 @@ def _at_poses(between: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArr
     before, after = steps[:-1, None], steps[1:, None]
     inner = (between[:-1] * after + between[1:] * before) / (before + after)
     return np.concatenate([between[:1], inner, between[-1:]])
+
+
+def poses_between(
+    matrices: Matrices, times_s: NDArray[np.float64], wanted_s: NDArray[np.float64]
+) -> Matrices:
+    """Where a frame that is at ``matrices`` (P, 4, 4) at growing times (P,) is at others (M,), none
+    outside of these: (M, 4, 4). As the engine has it, positions and stretches go straight, turns
+    evenly."""
+    if (matrices == matrices[0]).all():
+        return np.tile(matrices[:1], (len(wanted_s), 1, 1))
+    from scipy.spatial.transform import Rotation
+
+    before = np.clip(np.searchsorted(times_s, wanted_s, "right") - 1, 0, len(times_s) - 2)
+    share = (wanted_s - times_s[before]) / (times_s[before + 1] - times_s[before])
+    turns = _nearest_turns(matrices)
+    step = Rotation.from_rotvec(
+        share[:, None] * _rotation_vectors(turns[before], turns[before + 1])
+    )
+    stretch = np.swapaxes(turns, 1, 2) @ matrices[:, :3, :3]
+    whole = share[:, None, None]
+    between = np.tile(np.eye(4), (len(wanted_s), 1, 1))
+    straight = (1 - whole) * stretch[before] + whole * stretch[before + 1]
+    between[:, :3, :3] = step.as_matrix() @ turns[before] @ straight
+    between[:, :3, 3] = matrices[before, :3, 3] * (1 - share[:, None])
+    between[:, :3, 3] += matrices[before + 1, :3, 3] * share[:, None]
+    # Those that are given keep their bits.
+    given = np.searchsorted(times_s, wanted_s)
+    same = times_s[given] == wanted_s
+    between[same] = matrices[given[same]]
+    return between

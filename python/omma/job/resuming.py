@@ -106,6 +106,7 @@ def inputs_of(
         "backend": without_ordinals(backend),
         "outputs": list(names),
         **settings_as_record(settings),
+        "seed": str(settings.seed),  # as always, so that what older versions began goes on
         **{name: np.asarray(value).tolist() for name, value in others.items()},
         "files": {name: digest for path in files for name, digest in digests_of(path).items()},
     }

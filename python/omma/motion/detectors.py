@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye
 from omma.base.arguments import Shape, array_of, checked, whole
 from omma.base.arrays import Floats, Ints
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.motion.filters import FilterStep, filter_step
 from omma.motion.pairs import displacements_rad, neighbour_pairs
@@ -86,7 +87,8 @@ class DetectorArray:
         Args:
             state: what the last call returned; None at the first frame, before which the world is
                 taken to have always been as it shows it.
-            frame: responses (N,) or (N, B), bands each for itself.
+            frame: responses (N,) or (N, B), bands each for itself; or of B environments that step
+                together.
 
         Returns:
             (state, outputs): outputs (E,) or (E, B), radiance squared.
@@ -124,7 +126,7 @@ class DetectorArray:
         return outputs
 
     @checked
-    def vectors(self, outputs: ArrayLike, *, axis: int = -1) -> Floats:
+    def vectors(self, outputs: ArrayLike, *, axis: int | None = None) -> Floats:
         """The local motion at each ommatidium, from the outputs of its own detectors.
 
         It is the vector m that fits them best, R = m·d, d being the way from the first to the
@@ -134,18 +136,22 @@ class DetectorArray:
 
         Args:
             outputs: (..., E, ...), of `step` or `run`.
-            axis: which axis of them is that of detectors: -1, or -2 where there are bands.
+            axis: which axis of them is that of detectors. None: the last, or the one before it
+                where that has E and the last, of bands or environments, has not.
 
         Returns:
             (..., N, ..., 2): right and up, radiance squared. NaN where an ommatidium's pairs do not
             lie in two directions.
 
         Raises:
-            omma.Error: another number of outputs.
+            omma.Error: another number of outputs; as many bands or environments as detectors, and
+                no axis said.
         """
         given = array_of(outputs, "outputs")
         if given.ndim == 0:
             raise Error("outputs: expected an array with an axis of detectors, found one number")
+        if axis is None:
+            axis = self._axis_of(given)
         axis = whole(axis, "axis", -given.ndim, given.ndim - 1)
         if given.shape[axis] != len(self):
             raise Error(
@@ -159,6 +165,20 @@ class DetectorArray:
             one = moved[which[:, k]]
             total += weight[:, k].reshape(self.count, *rest, 2) * one[..., None]
         return np.moveaxis(total, 0, axis if axis >= 0 else axis - 1)
+
+    def _axis_of(self, outputs: Floats) -> int:
+        fits = [axis for axis in (-1, -2)[: outputs.ndim] if outputs.shape[axis] == len(self)]
+        if not fits:
+            raise Error(
+                f"outputs: expected {len(self)} detectors along the last axis or the one before "
+                f"it, found shape {outputs.shape}"
+            )
+        if len(fits) > 1:
+            raise Error(
+                f"axis: expected -1 or -2, which axis is that of {len(self)} detectors, as both "
+                f"are so long, found None for outputs of shape {outputs.shape}"
+            )
+        return fits[0]
 
     def _at_rest(self, frame: Floats) -> DetectorState:
         # As if the frame had stood still for ever.
@@ -237,6 +257,9 @@ def detector_array(
     Raises:
         omma.Error: pairs of ommatidia that there are not, time constants that are not above 0 or
             no match for the frame rate, an eye without a hexagonal lattice and no pairs given.
+
+    Warns:
+        UserWarning: time constants above 5 s, or a frame rate below 1 Hz.
     """
     if pairs is None:
         chosen = neighbour_pairs(eye)
@@ -244,7 +267,12 @@ def detector_array(
         chosen = array_of(pairs, "pairs", (None, 2), np.int64)
         _check_pairs(chosen, len(eye))
     where = displacements_rad(eye, chosen)
-    return DetectorArray(len(eye), chosen, where, tau_s, frame_rate_hz, high_pass_tau_s)
+    made = DetectorArray(len(eye), chosen, where, tau_s, frame_rate_hz, high_pass_tau_s)
+    for name in ("tau_s", "high_pass_tau_s"):
+        if getattr(made, name) is not None:
+            warn_of_slip("time constant", getattr(made, name), name)
+    warn_of_slip("frames per second", made.frame_rate_hz, "frame_rate_hz")
+    return made
 
 
 def _check_pairs(pairs: Ints, count: int) -> None:

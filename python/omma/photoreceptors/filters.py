@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked, expect, positive
 from omma.base.arrays import Floats
+from omma.base.slips import warn_of_slip
 from omma.photoreceptors.impulse_response import ImpulseResponse
 
 # Share of |h| that may be cut off after the last frame; weights are rescaled so that steady light
@@ -74,8 +75,12 @@ def filter_frames(
 
     Raises:
         omma.Error: no frames, numbers that are not finite, a frame rate that is not above 0.
+
+    Warns:
+        UserWarning: a frame rate below 1 Hz.
     """
     expect(h, ImpulseResponse, "h", "omma.photoreceptors.ImpulseResponse.howard makes one")
+    warn_of_slip("frames per second", positive(frame_rate_hz, "frame_rate_hz"), "frame_rate_hz")
     given = array_of(responses, "responses", dtype=None)
     frames = _frames_first(given, axis)
     first = frames[0] if before is None else _frame_of(before, frames.shape[1:], "before")
@@ -133,12 +138,16 @@ class FrameFilter:
     Raises:
         omma.Error: a frame rate that is not above 0, or so high that the response takes more than
             20,000 frames.
+
+    Warns:
+        UserWarning: a frame rate below 1 Hz.
     """
 
     def __init__(
         self, h: ImpulseResponse, frame_rate_hz: float, before: ArrayLike | None = None
     ) -> None:
         expect(h, ImpulseResponse, "h", "omma.photoreceptors.ImpulseResponse.howard makes one")
+        warn_of_slip("frames per second", positive(frame_rate_hz, "frame_rate_hz"), "frame_rate_hz")
         self._what = f"{h!r}, {positive(frame_rate_hz, 'frame_rate_hz'):g}"
         self._before = before
         self._decay = 0.0

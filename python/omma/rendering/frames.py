@@ -131,7 +131,7 @@ def render(
 
     Warns:
         UserWarning: a pose mirrors or stretches the head, or lies where it would if it were in
-            millimetres.
+            millimetres; with an impulse response frames more than a second apart.
         RuntimeWarning: single precision holds rays and surfaces at one of the poses less than
             a millimetre exactly, as in scenes of tens of kilometres, or by more than 1e-4 of
             the size of a scene that is far away; it says how exactly. Scenes far from the

@@ -13,6 +13,7 @@ from omma._core import Error
 from omma.base.arguments import array_of
 from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
+from omma.base.slips import warn_of_slip
 from omma.base.velocities import velocities_between, velocities_from_poses
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
@@ -131,6 +132,11 @@ class Moves:
                 "times_s: expected when each pose is, as frames last with an impulse response, "
                 "found None"
             )
+        if impulse_response is not None and self._times is not None and poses > 1:
+            # Of the shortest: rests between sequences may be long.
+            shortest = float(np.diff(self._times).min())
+            if shortest > impulse_response.duration_s:
+                warn_of_slip("time between frames", shortest, "times_s")
         self._animations = animations_of(world.scene, animation)
         self._past = np.empty((0, 4, 4)), np.empty(0)
         self._past_transforms = np.empty((0, len(self._instances), 4, 4))
@@ -194,6 +200,18 @@ class Moves:
             self._group_of_pose,
             self._by_light,
         )
+
+    def is_path(self) -> bool:
+        """Whether its times say when poses are one after the other, and things move meanwhile."""
+        if self._times is None or len(self._times) < 2 or not np.isfinite(self._times).all():
+            return False
+        moving = len(self._instances) > 0 or len(self._world._engine.animated) > 0
+        return moving and bool((np.diff(self._times) > 0).all())
+
+    def head_velocity(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The head's linear and angular velocity along a path, each (P, 3)."""
+        assert self._times is not None
+        return velocities_from_poses(self._poses, self._times)
 
     def velocities(self, told: Collection[int]) -> dict[int, tuple[Any, Any]]:
         """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.

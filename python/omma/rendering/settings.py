@@ -321,12 +321,17 @@ def takes_options(function: F) -> F:
     return function
 
 
+# Few file formats hold larger whole numbers; seeds go up to 2**64 - 1.
+_LARGEST_OF_FORMATS = 2**63 - 1
+
+
 def settings_as_record(settings: Settings) -> dict[str, str | int | float]:
     """Settings as texts and numbers, which every file format can hold, without what is None."""
     flat: dict[str, Any] = {"sampling": type(settings.sampling).__name__}
     for declared in (settings.sampling, settings):
         flat |= {one.name: getattr(declared, one.name) for one in options_of(type(declared))}
-    flat["seed"] = str(settings.seed)  # up to 2**64 - 1, which few formats hold as a number
+    if settings.seed > _LARGEST_OF_FORMATS:
+        flat["seed"] = str(settings.seed)
     if settings.impulse_response is not None:
         flat["impulse_response"] = repr(settings.impulse_response)
     return {

@@ -67,7 +67,8 @@ class GroundTruth:
     shares: Floats32 | None = None
     """(P, N, K), share of the field that each fills. What is left of `met` is other things."""
     flow_rotation_rad_s: Floats32 | None = None
-    """(P, N, 2), right and up: optic flow from the head's rotation, −ω × d."""
+    """(P, N, 2), right and up, where velocities are known: optic flow from the head's rotation,
+    −ω × d."""
     flow_translation_rad_s: Floats32 | None = None
     """(P, N, 2): from the translation of where the ommatidium's rays start, −(t − (t·d) d) / r."""
     flow_objects_rad_s: Floats32 | None = None
@@ -123,8 +124,9 @@ def ground_truth(
             indices in `World.instances`.
         head_velocity: the head's linear velocity, m/s, and angular velocity, rad/s, in the
             world's frame, each (3,) or (P, 3): of its origin, and right-handed about it.
-            `omma.velocities_from_poses` finds them from a path. With it or ``velocities`` there
-            is optic flow.
+            `omma.velocities_from_poses` finds them from a path. None: where things move with
+            ``times_s`` that grow, that along the path of the poses, else none. There is optic flow
+            with a velocity of either, or where things move so.
         velocities: of what moves by itself, {name or index in `World.instances`: (linear,
             angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
             With ``times_s``, what ``instances`` and animations move has the velocity at which
@@ -166,6 +168,8 @@ def ground_truth(
     if len(shares) > 0:
         names, asked["share_of_instance"] = _groups(self.world, shares)
         found["shares"] = np.empty((*call.size, len(shares)), np.float32)
+    if head_velocity is None and call.moves.is_path():
+        head_velocity = call.moves.head_velocity()
     if head_velocity is not None or velocities is not None:
         for component in ("rotation", "translation", "objects"):
             found[f"flow_{component}_rad_s"] = np.empty((*call.size, 2), np.float32)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Scene
 from omma.base.arguments import array_of
 from omma.base.arrays import Floats
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.scene.solids import disc
 from omma.stimuli.checks import Check, check_fields, length_m, radiance_of
@@ -48,6 +49,9 @@ class LoomingDisc(Discs):
 
     Raises:
         omma.Error: a parameter out of its range.
+
+    Warns:
+        UserWarning: an l/v above 10 s, or a collision more than 600 s away from time 0.
     """
 
     l_over_v_s: float = 0.05
@@ -69,6 +73,8 @@ class LoomingDisc(Discs):
             half_width_m=length_m,
             disc=radiance_of,
         )
+        warn_of_slip("l/v", self.l_over_v_s, "l_over_v_s")
+        warn_of_slip("time of collision", self.collision_s, "collision_s")
 
     def size_deg(self, times_s: ArrayLike) -> Floats:
         """Its angular size θ (T,), degrees, at times (T,), s."""

@@ -14,9 +14,11 @@ from omma.base.arguments import array_of
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
 from omma.base.values import value_class
+from omma.base.velocities import velocities_between
 from omma.scene.paint import painted_scene
 from omma.stimuli.checks import check_fields, length_m, radiance_of, whole_from
 from omma.stimuli.discs_seen import Discs
+from omma.stimuli.jumps import MOMENT_S, Motion, whole_counts
 from omma.stimuli.shapes import (
     SPHERE_RADIUS_M,
     facing_origin,
@@ -108,7 +110,8 @@ class RandomDots(Discs, Turning):
 @dataclass(frozen=True, eq=False, repr=False)
 class Starfield(Discs):
     """Discs that float in a cube around the head, each facing it, and move past it all alike: what
-    flying straight ahead looks like. A star that leaves the cube on one side comes in on the other.
+    flying straight ahead looks like. A star that leaves the cube on one side comes in on the other,
+    which is no motion for `play` and `velocities`.
 
     Args:
         count: of stars.
@@ -163,6 +166,27 @@ class Starfield(Discs):
         found = [facing_origin(*self._seen(time_s)) for time_s in times_s]
         return np.array(found).reshape(len(found), self.count, 4, 4)
 
+    def _velocities(self, times_s: Floats) -> Motion:
+        velocity = np.array(self.velocity_m_s)
+        linear = np.empty((len(times_s), self.count, 3))
+        angular = np.empty_like(linear)
+        for t, time_s in enumerate(times_s):
+            positions = self.positions_m(time_s)
+            # Not by positions a moment later, which may be in again on the other side.
+            before, after = (
+                facing_origin(*self._seen_at(positions + side * MOMENT_S * velocity))
+                for side in (-1, 1)
+            )
+            linear[t], angular[t] = velocities_between(before, after, 2 * MOMENT_S)
+        return linear, angular
+
+    def _jumps_s(self, first_s: float, last_s: float) -> Floats:
+        entered = self._at_start / self.cube_m + 0.5
+        rates = np.array(self.velocity_m_s) / self.cube_m
+        along = zip(entered.T, rates, strict=True)
+        found = [whole_counts(starts, float(rate), first_s, last_s) for starts, rate in along]
+        return np.unique(np.concatenate(found))
+
     @property
     def _disc_radiance(self) -> float:
         return self.star
@@ -174,7 +198,9 @@ class Starfield(Discs):
 
     def _seen(self, time_s: float) -> tuple[Floats, Floats]:
         """Directions to the stars, (count, 3), and how far they are, (count,), m."""
-        positions = self.positions_m(time_s)
+        return self._seen_at(self.positions_m(time_s))
+
+    def _seen_at(self, positions: Floats) -> tuple[Floats, Floats]:
         # One that were in the very middle would have no direction.
         distance = np.maximum(np.linalg.norm(positions, axis=1), 1e-9 * self.cube_m)
         ahead = np.array([0.0, 0.0, -1.0])

@@ -17,6 +17,7 @@ from omma.scene.paint import Surface, painted_scene
 from omma.scene.solids import tube, upright
 from omma.stimuli.checks import angular_speed, check_fields, chosen_from, length_m
 from omma.stimuli.gaussian import field_directions
+from omma.stimuli.jumps import Motion, half_turn_s, turning, whole_counts
 from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.stimulus import Stimulus
 from omma.stimuli.turning import Turning
@@ -80,6 +81,13 @@ class DrumGrating(Stimulus):
     def _transforms(self, times_s: Floats) -> Floats:
         return drifted(self._drift_deg(times_s), 0.0)[:, None]
 
+    def _velocities(self, times_s: Floats) -> Motion:
+        return turning(np.full(len(times_s), self._speed_deg_s), 0.0)
+
+    @property
+    def _longest_step_s(self) -> float:
+        return half_turn_s(self._speed_deg_s)
+
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         vectors = directions
         azimuth, elevation = longitude_latitude_deg(vectors, 0.0, 0.0)
@@ -90,9 +98,14 @@ class DrumGrating(Stimulus):
         most = np.degrees(np.arctan2(self.height_m / 2, self.radius_m))
         return np.asarray(np.abs(elevation_deg) <= most)
 
+    @property
+    def _speed_deg_s(self) -> float:
+        sign = 1 if self.direction == "right" else -1
+        return sign * self.wavelength_deg * self.temporal_frequency_hz
+
     def _drift_deg(self, time_s: Floats | float) -> Floats:
         sign = 1 if self.direction == "right" else -1
-        return np.asarray(sign * self.wavelength_deg * _periods(self.temporal_frequency_hz, time_s))
+        return sign * _turned_deg(self, time_s)
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         if self.waveform == "square":
@@ -149,8 +162,12 @@ class SphereGrating(Turning):
         longitude, _ = longitude_latitude_deg(directions, 0.0, self.direction_deg)
         return wave(self, (longitude - self._drift_deg(time_s)) / self.wavelength_deg)
 
+    @property
+    def _turning_deg_s(self) -> float:
+        return self.wavelength_deg * self.temporal_frequency_hz
+
     def _drift_deg(self, time_s: Floats | float) -> Floats:
-        return np.asarray(self.wavelength_deg * _periods(self.temporal_frequency_hz, time_s))
+        return _turned_deg(self, time_s)
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         if self.waveform == "square":
@@ -181,7 +198,7 @@ class PlaneGrating(Stimulus):
             ahead where the plane lies above or below.
         center_m: (3,), its middle; the plane looks at the origin from there.
         size_m: (2,), to the right and upwards as seen in front. It moves by up to a period, with
-            its edges, and then jumps back by one.
+            its edges, and then jumps back by one, which is no motion for `play` and `velocities`.
         background: radiance beside it.
         name: of the thing that moves.
 
@@ -213,6 +230,15 @@ class PlaneGrating(Stimulus):
         transforms[:, :3, 3] = np.array(self.center_m) + shift[:, None] * along
         return np.asarray(transforms[:, None])
 
+    def _velocities(self, times_s: Floats) -> Motion:
+        along, _, _ = self._frame()
+        speed = self.wavelength_m * self.temporal_frequency_hz
+        linear = np.broadcast_to(speed * along, (len(times_s), 1, 3)).copy()
+        return linear, np.zeros_like(linear)
+
+    def _jumps_s(self, first_s: float, last_s: float) -> Floats:
+        return whole_counts(0.0, self.temporal_frequency_hz, first_s, last_s)
+
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         vectors = directions
         along, right, up = self._frame()
@@ -235,7 +261,8 @@ class PlaneGrating(Stimulus):
         return np.asarray(along), right, up
 
     def _shift_m(self, time_s: Floats | float) -> Floats:
-        return np.asarray(self.wavelength_m * _periods(self.temporal_frequency_hz, time_s))
+        periods = np.mod(self.temporal_frequency_hz * np.asarray(time_s), 1.0)
+        return np.asarray(self.wavelength_m * periods)
 
     def _scene(self) -> Scene:
         along, right, up = self._frame()
@@ -364,6 +391,9 @@ def _of_whole_periods(value: float, name: str) -> float:
     return 360 / count
 
 
-def _periods(frequency_hz: float, time_s: Floats | float) -> Floats:
-    """Periods since time 0, without whole ones."""
-    return np.asarray(np.mod(frequency_hz * np.asarray(time_s), 1.0))
+def _turned_deg(grating: DrumGrating | SphereGrating, time_s: Floats | float) -> Floats:
+    """By how much it has turned since time 0, without whole turns."""
+    # Not without whole periods: between frames that would be a turn back.
+    periods_around = round(360 / grating.wavelength_deg)
+    periods = np.mod(grating.temporal_frequency_hz * np.asarray(time_s), periods_around)
+    return np.asarray(grating.wavelength_deg * periods)

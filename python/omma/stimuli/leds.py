@@ -22,6 +22,7 @@ from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.scene.solids import tube
 from omma.stimuli.checks import check_fields, whole_from
+from omma.stimuli.jumps import Motion, whole_counts
 from omma.stimuli.shapes import grey
 from omma.stimuli.stimulus import Stimulus, as_times
 
@@ -148,6 +149,19 @@ class LedArena(Stimulus):
         transforms = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
         transforms[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
         return np.asarray(transforms)
+
+    def _velocities(self, times_s: Floats) -> Motion:
+        # What is shown stands still, and what moves is out of sight.
+        none = np.zeros((len(times_s), len(self.names), 3))
+        return none, none.copy()
+
+    def _jumps_s(self, first_s: float, last_s: float) -> Floats:
+        assert self.refresh_hz is not None
+        times = whole_counts(_ROUNDING, self.refresh_hz, first_s, last_s)
+        _, of_frame = self._different
+        after = np.rint(times * self.refresh_hz + _ROUNDING).astype(np.int64)
+        before, after = (of_frame[np.mod(k, self.frame_count)] for k in (after - 1, after))
+        return np.asarray(times[before != after])
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         x, y, z = np.moveaxis(directions, -1, 0)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 
-from omma._core import Scene
+from omma._core import Error, Scene
 from omma.base.arguments import within
 from omma.base.arrays import Floats
 from omma.base.values import value_class
@@ -16,6 +17,9 @@ from omma.stimuli.checks import check_fields
 from omma.stimuli.random_fields import random_field
 from omma.stimuli.shapes import grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.turning import Turning
+
+# Noise has within 1 % of so much contrast, as 0.6 % of it are below black.
+_MOST_CONTRAST = 0.4
 
 
 @value_class
@@ -27,11 +31,12 @@ class NoisePanorama(Turning):
 
     A Gaussian random field on the sphere: harmonics of degree l from 1 on have the variance C_l ~
     l^(-2 slope), down to wavelengths of four pixels. The picture is what is shown, interpolated
-    between its pixels; what would be darker than black, is black.
+    between its pixels; what would be darker than black, is black. More contrast than 0.4 cannot be
+    shown so and is refused: that of the picture would be more than 1 % below it.
 
     Args:
         slope: 0 is white noise.
-        contrast: standard deviation over mean, of the picture as drawn.
+        contrast: standard deviation over mean, 0 to 0.4.
         mean: radiance.
         pixel_deg: size of the picture's pixels at the horizon, 180 over a whole number.
         speed_deg_s: of its drift about the poles across its direction.
@@ -55,7 +60,7 @@ class NoisePanorama(Turning):
     name: str = "panorama"
 
     def __post_init__(self) -> None:
-        check_fields(self, slope=(0.0, 4.0), contrast=(0.0, 10.0), pixel_deg=_of_whole_rows)
+        check_fields(self, slope=(0.0, 4.0), contrast=_of_noise, pixel_deg=_of_whole_rows)
 
     @cached_property
     def picture(self) -> Floats:
@@ -83,6 +88,30 @@ class NoisePanorama(Turning):
         surface, _ = sphere_patch((-180.0, 180.0), (-90.0, 90.0))
         picture = grey(self.picture)
         return painted_scene([("picture", surface, picture)], self.name, (0, 0, 0), wrap_u="repeat")
+
+
+def _of_noise(value: float, name: str) -> float:
+    contrast = within(value, name, 0.0, 1e6)
+    if contrast > _MOST_CONTRAST:
+        mean, reached = clipped_noise(contrast)
+        raise Error(
+            f"{name}: expected 0 to {_MOST_CONTRAST:g}, found {contrast:g}; as nothing is darker "
+            f"than black, noise would reach {reached:.3g} and have {mean:.3g} times its mean"
+        )
+    return contrast
+
+
+def clipped_noise(contrast: float) -> tuple[float, float]:
+    """Of Gaussian noise of mean 1 and this standard deviation, where what is below 0 is 0: its mean
+    and its contrast. By the moments of a rectified Gaussian."""
+    if contrast == 0:
+        return 1.0, 0.0
+    least = 1 / contrast
+    above = (1 + math.erf(least / math.sqrt(2))) / 2
+    density = contrast * math.exp(-(least**2) / 2) / math.sqrt(2 * math.pi)
+    mean = above + density
+    square = (1 + contrast**2) * above + density
+    return mean, math.sqrt(square - mean**2) / mean
 
 
 def _of_whole_rows(value: float, name: str) -> float:

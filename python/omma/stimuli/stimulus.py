@@ -11,15 +11,17 @@ from omma._core import Background, Error, Scene
 from omma.base.arguments import Shape, array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.progress import Progress
+from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
 from omma.stimuli.gaussian import gaussian_means
+from omma.stimuli.jumps import Motion, Path, motion_of
 
 
 class Settings(Protocol):
     """Of a renderer."""
 
     @property
-    def impulse_response(self) -> object: ...
+    def impulse_response(self) -> ImpulseResponse | None: ...
 
 
 @runtime_checkable
@@ -57,10 +59,32 @@ class Stimulus:
     def transforms(self, times_s: ArrayLike) -> Floats:
         """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s.
 
+        Some of `PlaneGrating`, `Starfield` and `LedArena` jump from one time to the next. For how
+        things move see `velocities`; `play` knows which are jumps.
+
         Raises:
             omma.Error: a wrong shape, or a time that is not finite.
         """
         return self._transforms(as_times(times_s))
+
+    @checked
+    def velocities(self, times_s: ArrayLike) -> dict[str, tuple[Floats, Floats]]:
+        """How its things move, as `Renderer.ground_truth` takes it: {name: (linear (T, 3), m/s, and
+        angular (T, 3), rad/s)} in the world, at times (T,), s.
+
+        Of what is seen: where a thing jumps, as a `PlaneGrating` does by a period, that does not
+        count.
+
+        Example:
+            >>> drum = omma.stimuli.DrumGrating(wavelength_deg=30, temporal_frequency_hz=5)
+            >>> np.degrees(drum.velocities([0.0])["drum"][1]).round(6).tolist()
+            [[0.0, -150.0, 0.0]]
+
+        Raises:
+            omma.Error: a wrong shape, or a time that is not finite.
+        """
+        linear, angular = self._velocities(as_times(times_s))
+        return {name: (linear[:, k], angular[:, k]) for k, name in enumerate(self.names)}
 
     @checked
     def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
@@ -76,6 +100,19 @@ class Stimulus:
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
         raise NotImplementedError
+
+    def _velocities(self, times_s: Floats) -> Motion:
+        """Of each thing, (T, K, 3): where nothing jumps those of its transforms."""
+        return motion_of(self._transforms, times_s)
+
+    def _jumps_s(self, first_s: float, last_s: float) -> Floats:
+        """When anything jumps after the first and not after the last time, growing, s."""
+        return np.empty(0)
+
+    @property
+    def _longest_step_s(self) -> float:
+        """Between frames, from which on it would seem to turn the other way."""
+        return np.inf
 
     def _scene(self) -> Scene:
         """Its things, wherever they are."""
@@ -167,9 +204,10 @@ class Stimulus:
     ) -> NDArray[np.float32]:
         """Responses (T, N, B) to the stimulus at each time: float32 [time, ommatidium, band].
 
-        One `render` with ``instances`` and ``transforms``: afterwards the renderer's world is as it
-        was. Ctrl-C stops it. With an impulse response things move from frame to frame, and only the
-        head (``poses``) within one.
+        As `render` with ``instances`` and ``transforms``: afterwards the renderer's world is as it
+        was. Ctrl-C stops it. With an impulse response things move within a frame as the head does,
+        straight and evenly turning from each time to the next, and jump at the very time at which
+        they do; before the first time all stood still.
 
         Args:
             renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things.
@@ -188,20 +226,34 @@ class Stimulus:
 
         Raises:
             omma.Error: a wrong shape, a pose or a time that is not finite, a world without the
-                stimulus.
+                stimulus; with an impulse response times that do not grow or between which it turns
+                by half a turn or more, or more jumps than can be followed.
         """
         times = as_times(times_s)
         shapes: list[Shape] = [(4, 4), (len(times), 4, 4)]
         matrices = array_of(np.eye(4) if poses is None else poses, "poses", shapes)
         matrices = np.ascontiguousarray(np.broadcast_to(matrices, (len(times), 4, 4)))
-        options: dict[str, Any] = {
-            "instances": self._indices(renderer.world),
-            "transforms": self._transforms(times),
-            "progress": progress,
-        }
-        if renderer.settings.impulse_response is not None:
-            options["times_s"] = times
-        return renderer.render(matrices, **options)
+        instances = self._indices(renderer.world)
+        h = renderer.settings.impulse_response
+        if h is None:
+            return renderer.render(
+                matrices,
+                instances=instances,
+                transforms=self._transforms(times),
+                progress=progress,
+            )
+        steps = np.diff(times)
+        if not (steps > 0).all():
+            raise Error("times_s: expected times that grow, found others")
+        if steps.size and steps.max() >= self._longest_step_s:
+            raise Error(
+                f"times_s: expected steps below {self._longest_step_s:.4g} s, in which {self.name} "
+                "turns by half a turn and would seem to turn the other way, found "
+                f"{steps.max():.4g} s"
+            )
+        jumps = self._jumps_s(times[0], times[-1]) if len(times) else np.empty(0)
+        path = Path(times, matrices, jumps, self._transforms, len(instances))
+        return path.render(renderer.render, instances, h.duration_s, progress)
 
 
 def as_times(times_s: ArrayLike) -> Floats:

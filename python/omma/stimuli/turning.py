@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from omma.base.arrays import Floats
+from omma.stimuli.jumps import Motion, half_turn_s, turning
 from omma.stimuli.shapes import drifted
 from omma.stimuli.stimulus import Stimulus
 
@@ -17,6 +18,17 @@ class Turning(Stimulus):
 
     def _transforms(self, times_s: Floats) -> Floats:
         return drifted(self._drift_deg(times_s), self.direction_deg)[:, None]
+
+    def _velocities(self, times_s: Floats) -> Motion:
+        return turning(np.full(len(times_s), self._turning_deg_s), self.direction_deg)
+
+    @property
+    def _turning_deg_s(self) -> float:
+        return self.speed_deg_s
+
+    @property
+    def _longest_step_s(self) -> float:
+        return half_turn_s(self._turning_deg_s)
 
     def _drift_deg(self, time_s: Floats | float) -> Floats:
         """By how much it has turned, degrees."""

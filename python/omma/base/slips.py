@@ -1,0 +1,39 @@
+"""Times and rates that nobody means, mostly in another unit: the caller is told, as nothing else is
+wrong with them. Those of eyes and optics are in the engine's `plausible.h`.
+
+The ranges are assumed: wide ones around what is published and shown, so that a factor of 1,000, of
+milliseconds, leaves them.
+"""
+
+from __future__ import annotations
+
+from omma.base.warn import warn_caller
+
+# What: from, to, unit.
+_RANGES: dict[str, tuple[float, float, str]] = {
+    # Delays of motion detectors are some tens of milliseconds, high-passes some hundreds.
+    "time constant": (1e-4, 5.0, "s"),
+    # l/v of looming stimuli is some tens of milliseconds.
+    "l/v": (1e-4, 10.0, "s"),
+    "time of collision": (-600.0, 600.0, "s"),
+    "frames per second": (1.0, 1e6, "Hz"),
+    # A frame that lasts sees nothing of what was there a second ago.
+    "time between frames": (0.0, 1.0, "s"),
+}
+
+
+def warn_of_slip(what: str, value: float, name: str) -> None:
+    """Tell the caller of the package of a value that lies outside of the range of what it is, and
+    which one it would be in the unit that it seems to have."""
+    low, high, unit = _RANGES[what]
+    if low <= value <= high:
+        return
+    meant = ""
+    if unit == "s" and low <= value * 1e-3 <= high:
+        meant = f"; {value:g} ms would be {value * 1e-3:g} s"
+    elif unit == "Hz" and value > 0 and low <= 1 / value <= high:
+        meant = f"; {value:g} s between frames would be {1 / value:g} Hz"
+    warn_caller(
+        f"{name}: {value:g} {unit} is unusual ({what}, {low:g} to {high:g} {unit}){meant}",
+        UserWarning,
+    )

@@ -1,0 +1,156 @@
+"""How the things of stimuli move, and frames that last while some of them jump.
+
+Between frames a renderer takes things to go straight and turn evenly. Something that jumps is
+therefore told of just before and just after the jump as well, so that the way between is gone in no
+time; these moments are not rendered, a renderer knows them as its past.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omma._core import Error
+from omma.base.arrays import Floats
+from omma.base.poses import Matrices
+from omma.base.progress import Progress, share_of
+from omma.base.velocities import poses_between, velocities_between
+from omma.stimuli.shapes import roll
+
+# Linear velocities, m/s, and angular ones, rad/s, of K things: (T, K, 3) each.
+Motion = tuple[Floats, Floats]
+
+# Before and after a time: how fast things move then.
+MOMENT_S = 1e-4
+# From just before a jump to just after it; besides that, so many steps of the time's precision,
+# as the time of a jump has some roundings.
+_JUMP_S, _JUMP_STEPS = 1e-12, 16
+# Of all in one interval; and the transforms of what one frame still sees, 128 bytes each.
+_MOST_JUMPS, _MOST_TRANSFORMS = 1 << 20, 1 << 22
+_OTHERWISE = (
+    "; without an impulse response, play it at more times and filter what comes by "
+    "omma.photoreceptors.filter_frames"
+)
+
+
+def turning(speeds_deg_s: Floats, direction_deg: float) -> Motion:
+    """Of one thing that turns about the origin by so many degrees a second (T,), as `drifted`."""
+    axis = -roll(direction_deg)[:3, 1]
+    angular = (np.radians(speeds_deg_s)[:, None] * axis)[:, None]
+    return np.zeros_like(angular), angular
+
+
+def motion_of(transforms: Callable[[Floats], Floats], times_s: Floats) -> Motion:
+    """Of things without jumps: their transforms' (T, K, 4, 4) from a moment before to one after."""
+    before, after = (transforms(times_s + side * MOMENT_S) for side in (-1, 1))
+    linear, angular = velocities_between(
+        before.reshape(-1, 4, 4), after.reshape(-1, 4, 4), 2 * MOMENT_S
+    )
+    shape = (*before.shape[:2], 3)
+    return linear.reshape(shape), angular.reshape(shape)
+
+
+def half_turn_s(speed_deg_s: float) -> float:
+    """The time in which something turns by 180°, s."""
+    return float(180 / abs(speed_deg_s)) if speed_deg_s else np.inf
+
+
+def whole_counts(starts: Floats | float, rate_hz: float, first_s: float, last_s: float) -> Floats:
+    """When ``start + rate_hz t`` is a whole number, of one or many starts, after the first and not
+    after the last time: growing.
+
+    Raises:
+        omma.Error: more often than a million times.
+    """
+    each, of = abs(rate_hz) * (last_s - first_s), np.atleast_1d(starts)[:, None]
+    if each == 0:
+        return np.empty(0)
+    if each * len(of) > _MOST_JUMPS:
+        raise Error(
+            f"times_s: expected at most {_MOST_JUMPS:,} jumps of the stimulus, found "
+            f"{each * len(of):.3g}{_OTHERWISE}"
+        )
+    least = np.ceil(of + rate_hz * (first_s if rate_hz > 0 else last_s))
+    times = np.unique((least + np.arange(int(each) + 2) - of) / rate_hz)
+    return np.asarray(times[(times > first_s) & (times <= last_s)])
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where a head and K things are at growing times (T,), s, between which things jump.
+
+    Args:
+        times_s, poses: (T,) and (T, 4, 4), ``world_from_head``.
+        jumps_s: when anything jumps, growing.
+        transforms: of times (M,) to where things are, (M, K, 4, 4).
+        things: K.
+    """
+
+    times_s: Floats
+    poses: Matrices
+    jumps_s: Floats
+    transforms: Callable[[Floats], Floats]
+    things: int
+
+    def render(
+        self,
+        render: Callable[..., NDArray[np.float32]],
+        instances: list[int],
+        duration_s: float,
+        progress: Progress | None,
+    ) -> NDArray[np.float32]:
+        """Responses (T, N, B), by as many calls of a renderer's ``render`` as it takes for none to
+        have a jump within it.
+
+        Args:
+            duration_s: of the impulse response, for which the past counts.
+        """
+        moments = self._moments()
+        counts = len(self.times_s)
+        # A frame before which anything jumps is the first of a call.
+        jumped = np.searchsorted(self.times_s, moments)
+        firsts = np.union1d([0], jumped[(jumped > 0) & (jumped < counts)]).tolist()
+        pieces = []
+        for first, end in zip(firsts, [*firsts[1:], counts], strict=True):
+            options: dict[str, Any] = {"times_s": self.times_s[first:end]}
+            if first:
+                options["past"] = self._past(first, moments, duration_s)
+            if len(firsts) > 1:
+                # Frames of noise that is new in every one count on from call to call by themselves.
+                options["progress"] = share_of(progress, first / counts, end / counts)
+            else:
+                options["progress"] = progress
+            piece = render(
+                self.poses[first:end],
+                instances=instances,
+                transforms=self.transforms(self.times_s[first:end]),
+                **options,
+            )
+            pieces.append(piece)
+        return pieces[0] if len(pieces) == 1 else np.concatenate(pieces)
+
+    def _moments(self) -> Floats:
+        """Just before and just after each jump, (2 J,)."""
+        half = _JUMP_S + _JUMP_STEPS * np.spacing(np.abs(self.jumps_s))
+        return np.unique(np.concatenate([self.jumps_s - half, self.jumps_s + half]))
+
+    def _past(
+        self, first: int, moments: Floats, duration_s: float
+    ) -> tuple[Matrices, Floats, Floats]:
+        """What the frame still sees, and one time before that: poses, times and transforms."""
+        now = self.times_s[first]
+        known = np.union1d(self.times_s[:first], moments)
+        known = known[(known >= self.times_s[0]) & (known < now)]
+        known = known[max(0, int(np.searchsorted(known, now - duration_s)) - 1) :]
+        if len(known) * self.things > _MOST_TRANSFORMS:
+            raise Error(
+                f"times_s: expected at most {_MOST_TRANSFORMS:,} transforms within "
+                f"{duration_s:.3g} s of the impulse response, found {len(known):,} times of "
+                f"{self.things:,} things that jump{_OTHERWISE}"
+            )
+        poses = poses_between(self.poses, self.times_s, known)
+        return poses, known, self.transforms(known)
