@@ -234,7 +234,7 @@ def test_ctrl_c(zoo):
 
 
 def test_display():
-    linear = np.array([[[0, 0.5, 1], [2, -1, 0.25]]], np.float32)
+    linear = np.array([[[0, 0.5, 1], [2, -0.5, 0.25]]], np.float32)
     expected = [[[0, 255 * 0.5 ** (1 / 2.2), 255], [255, 0, 255 * 0.25 ** (1 / 2.2)]]]
     assert omma.picture.display(linear) == pytest.approx(np.array(expected), abs=1)
     assert omma.picture.display(linear, gamma=1)[0, 1].tolist() in ([255, 0, 63], [255, 0, 64])
