@@ -279,21 +279,19 @@ std::vector<double> make_far(LightData& data, const Light& light) {
     of_sky += sky_flux[b] / flux[b];
   }
   if (shining > 0) {
-    double from_sky = of_sky;
-    if (of_sky > 0 && !of_disc.empty()) from_sky *= unevenness(data, sky);
-    double all = from_sky;
+    double of_discs = 0;
     std::vector<double> shares;
     for (const std::vector<double>& disc : of_disc) {
       double share = 0;
       for (std::size_t b = 0; b < bands; ++b)
         if (flux[b] > 0) share += disc[b] / flux[b];
       shares.push_back(share);
-      all += share;
+      of_discs += share;
     }
-    if (from_sky < least_sky * all) {
-      all -= from_sky;
-      from_sky = 0;
-    }
+    double from_sky = of_sky;
+    if (of_sky > 0 && of_discs > 0) from_sky *= unevenness(data, sky);
+    if (from_sky < least_sky * (from_sky + of_discs)) from_sky = 0;
+    const double all = from_sky + of_discs;
     sky.probability = static_cast<float>(from_sky / all);
     for (std::size_t i = 0; i < shares.size(); ++i)
       data.discs[i].probability = static_cast<float>(shares[i] / all);

@@ -345,4 +345,4 @@ def test_cut_outs_look_alike_at_any_number_of_rays(backend):
     # mean of some 30 ommatidia.
     for seen, error in (few, some, many):
         spread = float(np.sqrt(np.mean(np.square(error, dtype=float)) / len(ahead)))
-        assert abs(seen.mean() - (1 - 0.125 / 2)) < 4 * spread + 1e-3
+        assert abs(seen.mean() - (1 - 0.125 / 2)) < 4 * spread

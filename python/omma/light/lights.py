@@ -337,13 +337,17 @@ class Light:
         }
 
 
-def is_under_water(light: Light) -> bool:
-    """Whether a light, or one that it was made of, is one of `under_water`."""
+def is_made_by(light: Light, *names: str) -> bool:
+    """Whether a light, or one that it was made of, was made by a function of one of these names."""
     if light.recipe is None:
         return False
     name, arguments = light.recipe
     parts = (one for one in arguments.values() if isinstance(one, Light))
-    return name == "under_water" or any(is_under_water(one) for one in parts)
+    return name in names or any(is_made_by(one, *names) for one in parts)
+
+
+def is_under_water(light: Light) -> bool:
+    return is_made_by(light, "under_water")
 
 
 def makes_light(function: F) -> F:

@@ -44,15 +44,6 @@ def light_title(light: Light) -> str:
     return ", ".join([called, *words])
 
 
-def is_made_by(light: Light, *names: str) -> bool:
-    """Whether a light, or a part of it, was made by a function of one of these names."""
-    if light.recipe is None:
-        return False
-    name, arguments = light.recipe
-    parts = [one for one in arguments.values() if isinstance(one, Light)]
-    return name in names or any(is_made_by(one, *names) for one in parts)
-
-
 def _clouds(arguments: Mapping[str, Any]) -> str:
     share = arguments["cloud_fraction"]
     return f"{_SHARES.get(share, f'{share:.0%}')} {arguments.get('kind', 'cumulus')}"

@@ -18,8 +18,8 @@ from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style, load_matplotlib
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
-from omma.light.lights import Light
-from omma.picture.light_titles import is_made_by, light_title
+from omma.light.lights import Light, is_made_by, is_under_water
+from omma.picture.light_titles import light_title
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
@@ -98,7 +98,7 @@ def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     q = stokes[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         degree = np.hypot(q, stokes[:, 2]) / stokes[:, 0]
-    is_submerged = is_made_by(light, "under_water")
+    is_submerged = is_under_water(light)
     is_changed = light.recipe is None or is_submerged or is_made_by(light, "clouded", "plus")
     reach = round(_AROUND_DEG / (arc[1] - arc[0]))
     found = []

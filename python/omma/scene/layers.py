@@ -34,8 +34,7 @@ _COSINES = 129
 _STEP_NM = 2.0
 # What a table may be off by between its nodes without a word; one in so many wavelengths is tried.
 _FINE, _EACH_TRIED = 0.01, 8
-_OF_BAND = 12  # wavelengths of a band of 25 nm
-_STEEP_DEG = 80
+_BAND_NM, _STEEP_DEG = 25.0, 80
 _LEAST_NM, _MOST_NM = 0.5, 1e5  # of the thickest layer: two atoms
 _MOST_SPREAD = 0.2
 # Of |n + ik|, and wavelengths: wider than those of any matter and light that animals see.
@@ -144,8 +143,8 @@ class LayerStack:
             omma.Error: fewer than 2 wavelengths, or some that do not ascend from 100 to 5,000 nm.
 
         Warns:
-            UserWarning: fringes of a thick film are finer than the table's 129 cosines or its
-                wavelengths.
+            UserWarning: reflectance changes faster than the table's 129 cosines or its
+                wavelengths tell, as by fringes of thick films.
         """
         if wavelength_nm is None:
             nm = np.arange(300.0, 700.0 + _STEP_NM / 2, _STEP_NM)
@@ -157,7 +156,6 @@ class LayerStack:
         self._tell_of_fringes(nm, cosine, table)
         return BoundaryTable(nm, table)
 
-    @checked
     def _tell_of_fringes(self, nm: Floats, cosine: Floats, table: Floats) -> None:
         """Warn where a table (W, C, 3) has too few nodes for the fringes of thick films."""
         # Next to grazing all boundaries rise to 1 within a few nodes.
@@ -168,7 +166,8 @@ class LayerStack:
         by_nm = self._mueller((nm[1:] + nm[:-1]) / 2, cosine[::_EACH_TRIED])
         by_nm -= (table[1:, ::_EACH_TRIED] + table[:-1, ::_EACH_TRIED]) / 2
         # Bands take means, in which what is off on both sides of a fringe cancels.
-        runs = np.arange(0, len(by_nm), _OF_BAND)
+        of_band = max(1, round(_BAND_NM * len(by_nm) / float(nm[-1] - nm[0])))
+        runs = np.arange(0, len(by_nm), of_band)
         by_nm = np.add.reduceat(by_nm, runs) / np.diff(runs, append=len(by_nm))[:, None, None]
         for off, way in (
             (by_angle, f"{_COSINES} cosines of the table"),
@@ -177,12 +176,13 @@ class LayerStack:
             worst = float(np.abs(off).max())
             if worst > _FINE:
                 warn_caller(
-                    f"layers: fringes of so thick a stack are finer than the {way}; between them "
-                    f"reflectance up to {_STEEP_DEG} degrees is off by up to {worst:.2g}, where "
-                    "`mueller` is exact",
+                    f"layers: reflectance changes faster than the {way}, as by fringes of thick "
+                    f"films; up to {_STEEP_DEG} degrees it is off by up to {worst:.2g} between "
+                    "them, where `mueller` is exact",
                     UserWarning,
                 )
 
+    @checked
     def material(self, name: str = "", roughness: float = 0.0) -> Material:
         """A material of scenes that reflects like this stack, for worlds that are lit.
 
