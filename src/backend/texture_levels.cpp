@@ -129,8 +129,8 @@ std::uint32_t round16(float value) {
 
 }  // namespace
 
-TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaMode alpha, bool levels,
-                                  bool large) {
+TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaMode alpha,
+                                  bool levels, bool large) {
   TextureLevels result;
   result.first_texel.push_back(0);
   const bool eight_bit = !image.rgba_srgb8.empty();

@@ -31,8 +31,8 @@ struct TextureLevels {
 // Where alpha blends, colours are averaged with it as weight. The image alone, where `levels` is
 // false; float images are then left where they are, and 8-bit images where they are `large`, whose
 // level 0 stays 8-bit in any case: half the memory, and the same light.
-TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaMode alpha, bool levels,
-                                  bool large = false);
+TextureLevels make_texture_levels(const Image& image, ImageCodes codes, AlphaMode alpha,
+                                  bool levels, bool large = false);
 
 // `levels` and the image stay where they are.
 TextureView view_levels(const Image& image, const TextureLevels& levels);
