@@ -63,9 +63,7 @@ def test_types_are_called_as_users_find_them():
     "call", [lambda fly: omma.Renderer(omma.Scene(), fly), omma.eye.measure_eye]
 )
 def test_an_animal_is_told_of_its_eye(call):
-    with pytest.raises(
-        TypeError, match=r"eye: expected omma\.Eye.* Species.*its \.eye is one"
-    ):
+    with pytest.raises(TypeError, match=r"eye: expected omma\.Eye.* Species.*its \.eye is one"):
         call(omma.species.drosophila())
 
 

@@ -129,6 +129,11 @@ def public_calls(folder):
     few_columns = omma.species.drosophila().eye.take(kinds)
     scene = omma.load_scene(scene_file)
     renderer = omma.Renderer(scene, eye, omma.Fixed(1), threads=1)
+    shown = scene.replace(
+        images=[omma.scene.Image(np.ones((2, 2, 3)))],
+        textures=[omma.scene.Texture(0)],
+        materials=[*scene.materials, omma.scene.Material(base_color_texture=0)],
+    )
     pose = np.eye(4)
     rgb = np.zeros((24, 3), np.float32)
     bee = omma.receptors.assign_receptors(eye, omma.receptors.honeybee_ommatidia())
@@ -623,7 +628,7 @@ def public_calls(folder):
             **of_stimulus, "pixels": (0.0,), "move": (arena.world(), 0.1),
             "play": (omma.Renderer(arena.world(), eye), [0.0]),
         }),
-        "Renderer": (omma.Renderer(scene, bee, omma.Fixed(1), threads=1, footprints=False), {
+        "Renderer": (omma.Renderer(shown, bee, omma.Fixed(1), threads=1, footprints=False), {
             "render": (pose,), "render_rays": (pose,), "render_receptors": (pose,),
             "render_stokes": (pose,),
             "with_eye": (eye,), "render_iter": ([pose],), "dataset": (pose,),
@@ -631,6 +636,7 @@ def public_calls(folder):
             "jacobian": (pose,), "jvp": (pose, {"axis": np.zeros((24, 3))}),
             "vjp": (pose, np.zeros((1, 24, 3))), "color_jacobian": (pose, "background"),
             "background_vjp": (pose, np.zeros((1, 24, 3)), (4, 8)),
+            "image_vjp": (pose, np.zeros((1, 24, 3)), 0),
         }),
         "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
             "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),

@@ -71,7 +71,7 @@ def color_jacobian(
         for name in names
     ]
     matrices = poses_of(self, poses)
-    lift = _band_from_rgb(self.world)
+    lift = band_from_rgb_of(self.world)
     found = np.zeros((len(matrices), len(self.eye), self.bands, len(which), 3), np.float32)
     # Red, green and blue do not mix: white tells of all three.
     lights = [_WHITE] if lift is None else [*np.eye(3)]
@@ -83,7 +83,7 @@ def color_jacobian(
         call = Call.of(renderer, matrices, {}, frame_number(first_pose), part)
         return call.render(call.new_frames()).responses
 
-    with _black(self.world) as world:
+    with black(self.world) as world:
         none = seen(_BLACK, 0)
         for k, material in enumerate(which):
             for j, light in enumerate(lights):
@@ -137,19 +137,13 @@ def background_vjp(
         omma.Error: a renderer with footprints or frames that last, another shape, or what
             `color_jacobian` raises.
     """
-    samples = fixed_samples(self.settings.sampling, "derivatives by colours")
-    if self.settings.footprints:
-        raise Error(
-            "footprints: expected footprints=False, by which rays see the pixels themselves"
-        )
-    if self.settings.impulse_response is not None:
-        raise Error("impulse_response: expected frames that do not last")
+    samples = samples_without_filter(self)
     rows, columns = array_of(shape, "shape", (2,), np.int64).tolist()
     size = whole(rows, "shape", 1, 1 << 15), whole(columns, "shape", 1, 1 << 15)
     matrices = poses_of(self, poses)
     expected = (len(matrices), len(self.eye), self.bands)
     weights = array_of(cotangent, "cotangent", expected, finite=True)
-    lift = _band_from_rgb(self.world)
+    lift = band_from_rgb_of(self.world)
     lift = np.eye(3) if lift is None else lift
     gradient = np.zeros((size[0] * size[1], 3))
     number = frame_number(first_pose) or 0
@@ -157,21 +151,33 @@ def background_vjp(
     band, color = (int(k) for k in np.unravel_index(np.abs(lift).argmax(), lift.shape))
     if lift[band, color] == 0:
         return gradient.reshape(*size, 3)
-    with _black(self.world) as world:
+    with black(self.world) as world:
         dark, clear = (
             self.with_world(world.with_background(Background.constant(one)))
             for one in (_BLACK, np.eye(3)[color])
         )
         for p in range(len(matrices)):
             part = share_of(progress, p / len(matrices), (p + 1) / len(matrices))
-            let_through = _rays(clear, matrices[p : p + 1], number + p, samples, part)
-            let_through -= _rays(dark, matrices[p : p + 1], number + p, samples, None)
+            let_through = rays_of(clear, matrices[p : p + 1], number + p, samples, part)
+            let_through -= rays_of(dark, matrices[p : p + 1], number + p, samples, None)
             directions = np.empty((1, len(self.eye), samples, 3), np.float32)
             self._engine.ray_directions(matrices[p : p + 1], number + p, directions)
             share = let_through[..., band] / lift[band, color] / samples
             # By red, green and blue of what the rays of an ommatidium see.
             _spread(gradient, size, directions[0], share, weights[p] @ lift)
     return gradient.reshape(*size, 3)
+
+
+def samples_without_filter(renderer: Prepared) -> int:
+    """Rays of an ommatidium that see pixels themselves."""
+    samples = fixed_samples(renderer.settings.sampling, "derivatives by colours")
+    if renderer.settings.footprints:
+        raise Error(
+            "footprints: expected footprints=False, by which rays see the pixels themselves"
+        )
+    if renderer.settings.impulse_response is not None:
+        raise Error("impulse_response: expected frames that do not last")
+    return samples
 
 
 def _index(name: int | str, materials: Sequence[str]) -> int:
@@ -181,7 +187,7 @@ def _index(name: int | str, materials: Sequence[str]) -> int:
         raise Error(f"{error}; or {BACKGROUND!r}") from None
 
 
-def _rays(
+def rays_of(
     renderer: Prepared, pose: Floats, number: int, samples: int, progress: Progress | None
 ) -> Floats:
     """(N, samples, C), radiance of each ray at one pose."""
@@ -217,14 +223,14 @@ def _spread(
                 gradient[:, c] += np.bincount(pixel.ravel(), told, rows * columns)
 
 
-def _band_from_rgb(world: World) -> Floats | None:
+def band_from_rgb_of(world: World) -> Floats | None:
     """(C, 3), or None where bands are red, green and blue themselves."""
     found: Floats | None = world._band_from_rgb
     return found
 
 
 @contextmanager
-def _black(world: World) -> Iterator[World]:
+def black(world: World) -> Iterator[World]:
     """The world with all materials black, which have their colours back afterwards."""
     if world.light is not None:
         raise Error("world: expected one that is not lit, where light goes from surface to surface")

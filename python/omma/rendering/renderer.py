@@ -23,6 +23,7 @@ from omma.rendering.color_gradients import background_vjp, color_jacobian
 from omma.rendering.dataset import dataset
 from omma.rendering.frames import render, render_rays, render_stokes
 from omma.rendering.gradients import jacobian, jvp, vjp
+from omma.rendering.image_gradients import image_vjp
 from omma.rendering.iterate import render_iter
 from omma.rendering.pickling import parts_of
 from omma.rendering.receptor_frames import render_receptors
@@ -184,6 +185,7 @@ class Renderer:
     vjp = vjp
     color_jacobian = color_jacobian
     background_vjp = background_vjp
+    image_vjp = image_vjp
     dataset = dataset
 
     def _receptor_views(self) -> tuple[ReceptorViews, Renderer]:

@@ -271,9 +271,7 @@ def _indices() -> dict[str, Floats]:
 
 def _check_wavelengths(nm: Floats) -> None:
     if not np.all((nm >= _WAVELENGTHS_NM[0]) & (nm <= _WAVELENGTHS_NM[1])):
-        raise Error(
-            f"wavelength_nm: expected {_WAVELENGTHS_NM[0]:,} to {_WAVELENGTHS_NM[1]:,} nm"
-        )
+        raise Error(f"wavelength_nm: expected {_WAVELENGTHS_NM[0]:,} to {_WAVELENGTHS_NM[1]:,} nm")
 
 
 def _checked_index(given: Any, name: str) -> Index:
