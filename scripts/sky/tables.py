@@ -36,10 +36,14 @@ def assemble(folder: Path) -> dict[str, np.ndarray]:
     whole = np.rint(fields / STEP[:, None, None, None]).astype(np.int32)
     steps = np.diff(whole, axis=-1, prepend=0)
     assert np.abs(steps).max() < 2**15, np.abs(steps).max()
+    # Differences of these, modulo 2^16, take half the space: along wavelengths and elevations.
+    steps = steps.astype(np.int16)
+    for axis in (-3, -2):
+        steps = np.diff(steps, axis=axis, prepend=np.int16(0))
     ground, returned = zip(*(_ground(folder, parts, haze) for haze in grid.HAZE))
     return {
         **parts,
-        "steps": steps.astype(np.int16),
+        "steps": steps,
         "step": STEP,
         "log_mean": mean.astype(np.float32),
         "ground": np.array(ground, np.float32),

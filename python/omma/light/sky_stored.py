@@ -92,6 +92,13 @@ def _no_haze() -> tuple[dict[int, Floats], dict[int, Floats]]:
     return {0: np.ones(len(stored_tables()["wavelength_nm"]))}, {0: np.ones((1, 1, 1))}
 
 
+def _whole(steps: Any) -> Any:
+    """Whole numbers of which the differences are stored: along wavelengths and elevations, both
+    modulo 2^16, of those along azimuths."""
+    along_azimuths = steps.cumsum(-3, dtype=np.int16).cumsum(-2, dtype=np.int16)
+    return along_azimuths.cumsum(-1, dtype=np.int32)
+
+
 def with_less_air(suns: list[tuple[int, float]], height_m: float) -> Any:
     """What high ground changes of a clean sky: log I over its first guess, Q/I and U/I,
     [3, wavelength, elevation, azimuth] of the tables' grid. Under high suns it is a sky that is as
@@ -147,8 +154,7 @@ def sky_fields(
             continue
         share = np.stack(np.broadcast_arrays(of_haze[:, None, None], of_angle, of_angle))
         for s, of_sun in suns:
-            steps = np.cumsum(table["steps"][h, s], axis=-1, dtype=np.int32)
-            one = steps * table["step"][:, None, None, None]
+            one = _whole(table["steps"][h, s]) * table["step"][:, None, None, None]
             one = smooth_at_zenith(one, table["elevation_deg"], table["sun_deg"][s])
             stokes = stokes + of_sun * share * one
             log_i = log_i + of_sun * of_haze * table["log_mean"][h, s]
