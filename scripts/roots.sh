@@ -2,15 +2,28 @@
 # shellcheck shell=bash
 [ "$(id -u)" = 0 ] || fail "a root is made and entered as root"
 
+# One at a time: a root that is being made is no root yet.
+mkdir -p build
+exec {roots_lock}> build/roots.lock
+flock "$roots_lock"
+
 suites_known=(jammy noble trixie bookworm)  # Ubuntu 22.04, 24.04, Debian 13, 12
 is_suite() { [[ " ${suites_known[*]} " == *" $1 "* ]]; }
+
+# Where a run was killed the system's own folders may still be mounted in it.
+remove_root() {
+  local folder
+  while read -r folder; do umount --lazy "$folder"; done \
+    < <(awk -v root="$1/" 'index($2, root) == 1 { print $2 }' /proc/mounts | sort -r)
+  rm -rf --one-file-system "$1"
+}
 
 # make_root SUITE FOLDER [PACKAGES]: a root of the smallest kind and these packages, comma-separated.
 make_root() {
   local suite="$1" root="$2" script="" options=(--variant=minbase)
   if [ -e "$root/made" ]; then return; fi
   say "Making a root of $suite"
-  rm -rf "$root"
+  remove_root "$root"
   mkdir -p "$root"
   [ -z "${3:-}" ] || options+=("--include=$3")
   case "$suite" in
