@@ -65,6 +65,26 @@ def test_responses_are_sums_over_colours(scene, band_from_rgb):
     assert (found.sum(axis=(0, 1, 2, 4)) > 0).all()
 
 
+@pytest.mark.parametrize("band_from_rgb", [None, MATRIX])
+def test_what_is_given_off(scene, band_from_rgb):
+    """With emission drawn at random, textured on the glass, beside colours that take no part."""
+    rng = np.random.default_rng(4)
+    glass = scene.materials[2].replace(emissive_texture=0)
+    shining = scene.replace(materials=[*scene.materials[:2], glass])
+    world = omma.World(shining, band_from_rgb=band_from_rgb)
+    renderer = omma.Renderer(world, EYE, omma.Fixed(16))
+    before = renderer.render(POSES)
+    found = renderer.color_jacobian(POSES, ["wall", "leaves", "glass"], emissive=True)
+    assert np.array_equal(renderer.render(POSES), before)
+    emission = rng.uniform(0, 1, (3, 3))
+    for k, color in enumerate(emission):
+        world.set_color(k, emissive=color)
+    # Sixteen rays, each of a few products in single precision, of sums up to 2.
+    told = np.einsum("pnckj,kj->pnc", found, emission)
+    assert told == pytest.approx(renderer.render(POSES) - before, abs=4e-6)
+    assert (found.sum(axis=(0, 1, 2, 4)) > 0).all()
+
+
 def test_what_was_set_and_what_gives_off_light_stays(scene):
     """Colours that a world was given come back, and light of materials takes no part."""
     world = omma.World(scene)

@@ -35,6 +35,7 @@ def color_jacobian(
     poses: Poses,
     by: int | str | Sequence[int | str],
     *,
+    emissive: bool = False,
     first_pose: int = 0,
     progress: Progress | None = None,
 ) -> Responses:
@@ -50,6 +51,8 @@ def color_jacobian(
         by: materials, by their indices in ``scene.materials`` or their names: their base colours,
             by which textures are multiplied; and ``"background"``, of a constant one, or of one
             that is added. (A material of that name has its index.)
+        emissive: by what materials give off (`Material.emissive`), which their emissive textures
+            are multiplied by, instead of their base colours.
         first_pose: the number of the first pose's frame, where noise is new in every frame.
         progress: called with the finished share (0 to 1).
 
@@ -91,9 +94,10 @@ def color_jacobian(
                 if material is None:
                     change = seen(light, number) - none
                 else:
-                    world.set_color(material, light)
+                    on, off = (light, _BLACK) if emissive else (_BLACK, light)
+                    world.set_color(material, off, emissive=on)
                     change = seen(_BLACK, number) - none
-                    world.set_color(material, _BLACK)
+                    world.set_color(material, _BLACK, emissive=_BLACK)
                 if lift is None:
                     found[:, :, range(3), k, range(3)] = change
                 else:
