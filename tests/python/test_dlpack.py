@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import omma
+from omma.base.arrays import new_floats
 from omma.base.poses import as_poses
 
 
@@ -72,6 +73,14 @@ def test_responses_are_written_where_they_are_wanted(renderer, poses, kind):
     assert (mine == renderer.render(poses)).all()
 
 
+@pytest.mark.parametrize("shape", [(1, 1), (3, 5, 3), (700, 1001)])
+def test_arrays_begin_where_jax_takes_them(shape):
+    """At a multiple of 64 bytes; NumPy's own begin 16 or 32 behind one."""
+    found = [new_floats(shape) for _ in range(5)]
+    assert all(one.ctypes.data % 64 == 0 and one.flags.c_contiguous for one in found)
+    assert {one.shape for one in found} == {shape}
+
+
 def test_out_that_does_not_do_is_refused(renderer, poses):
     shape = (len(poses), len(renderer.eye), 3)
     locked = np.zeros(shape, np.float32)
@@ -107,19 +116,20 @@ def test_what_cannot_be_handed_over_says_why(renderer):
         renderer.render(Broken(np.eye(4)))
 
 
-def library(name):
+def library(name, request):
     """The library's ways (array from NumPy's without a copy, array from whatever has DLPack)."""
     module = pytest.importorskip(name)
     if name == "torch":
         return module.from_numpy, module.from_dlpack
     module.config.update("jax_enable_x64", True)
+    request.addfinalizer(lambda: module.config.update("jax_enable_x64", False))
     from_dlpack = importlib.import_module("jax.dlpack").from_dlpack
     return from_dlpack, from_dlpack
 
 
 @pytest.mark.parametrize("name", ["torch", "jax"])
-def test_with_other_libraries(renderer, poses, name):
-    from_numpy, from_dlpack = library(name)
+def test_with_other_libraries(renderer, poses, name, request):
+    from_numpy, from_dlpack = library(name, request)
     theirs = from_numpy(poses)
     taken = as_poses(theirs)
     address = theirs.data_ptr() if name == "torch" else theirs.unsafe_buffer_pointer()

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error, Eye
+from omma.base.arrays import new_floats
 from omma.base.card_arrays import OnCard, find_on_card
 from omma.base.dlpack import as_numpy
 
@@ -159,7 +160,7 @@ def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.floa
     """``out`` where the engine can write to it, as NumPy's or on a card; a new array where it is
     None."""
     if out is None:
-        return np.empty(shape, np.float32)
+        return new_floats(shape)
     on_card = find_on_card(out, name)
     if on_card is not None:
         if on_card.dtype != np.float32:

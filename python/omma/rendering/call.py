@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Eye, Scene
+from omma.base.arrays import new_floats
 from omma.base.card_arrays import OnCard
 from omma.base.poses import Matrices, as_poses
 from omma.base.progress import Progress, share_of
@@ -124,8 +125,8 @@ class Call:
         """Arrays for the engine to write into: so many outputs, or else the bands."""
         shape = (*self.size, self.renderer.bands if outputs is None else outputs)
         return Frames(
-            np.empty(shape, np.float32),
-            np.empty(shape, np.float32) if standard_error else None,
+            new_floats(shape),
+            new_floats(shape) if standard_error else None,
             np.empty(self.size, np.int32) if rays else None,
         )
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, expect
+from omma.base.arrays import new_floats
 from omma.base.progress import Progress
 from omma.rendering.call import Frames, Responses, render_eyes
 from omma.rendering.settings import (
@@ -142,8 +143,8 @@ class Population:
         count = len(heads)
         flat = np.ascontiguousarray(heads.reshape(-1, 4, 4))
         size = (count, len(self.eye), self._engine.bands)
-        responses = np.empty(size, np.float32)
-        errors = np.empty(size, np.float32) if standard_error else None
+        responses = new_floats(size)
+        errors = new_floats(size) if standard_error else None
         frames = Frames(responses, errors)
         render_eyes(self._engine, flat, frames, frame_number(first_pose), progress)
         ends = np.cumsum(self._sizes)[:-1]

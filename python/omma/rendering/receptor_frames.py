@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, output_array
-from omma.base.arrays import Floats
+from omma.base.arrays import Floats, new_floats
 from omma.base.card_arrays import OnCard
 from omma.base.progress import Progress, share_of
 from omma.receptors.catches import type_polarisation
@@ -115,8 +115,8 @@ def frames_of_receptors(
     views, renderer = call.renderer._receptor_views()
     weights = _weights(call.renderer, matrix, ultraviolet)
     shape = (len(call.poses), len(eye.receptor_type))
-    responses = np.empty(shape, np.float32) if out is None else out
-    errors = np.empty(shape, np.float32) if standard_error else None
+    responses = new_floats(shape) if out is None else out
+    errors = new_floats(shape) if standard_error else None
     seen = replace(call, renderer=renderer)
     if errors is None and not call.renderer.world.polarized:
         # One render of all bands serves all types.
