@@ -113,6 +113,52 @@ def test_things_in_many_places_are_stored_once():
     assert np.array_equal(np.sort(found[:, 0]), np.arange(10))
 
 
+def test_what_shines_is_drawn_without_a_light(tmp_path):
+    """glTF's unlit materials have no emission: base colour and emission are one colour there."""
+    material = omma.scene.Material
+    picture, other = omma.scene.TextureUse(0), omma.scene.TextureUse(1)
+    given = [
+        (material("sum", base_color=(0.2, 0.3, 0.9, 1), emissive=(0.5, 0, 0.4)), (0.7, 0.3, 1)),
+        (material("matt", base_color=(0.2, 0.3, 0.4, 1)), (0.2, 0.3, 0.4)),
+        (
+            material("screen", base_color=(0, 0, 0, 1), emissive=(2, 2, 1), emissive_texture=other),
+            (1, 1, 1),
+        ),
+        (
+            material("cut", base_color_texture=picture, emissive=(5, 5, 5), alpha_mode="mask"),
+            (1, 1, 1),
+        ),
+    ]
+    box = omma.scene.box((0.1, 0.1, 0.1)).meshes[0]
+    scene = omma.Scene(
+        meshes=[
+            box.replace(material=k, texture_coordinates=box.positions_m[:, :2])
+            for k in range(len(given))
+        ],
+        materials=[one for one, _ in given],
+        images=[omma.scene.Image(np.ones((2, 2, 4))), omma.scene.Image(np.ones((2, 2, 3)))],
+        textures=[omma.scene.Texture(0), omma.scene.Texture(1)],
+    )
+    (tmp_path / "drawn.glb").write_bytes(drawn_scene(omma.World(scene)).still)
+    drawn = omma.load_scene(tmp_path / "drawn.glb").materials
+    for one, (material_given, color) in zip(drawn, given, strict=True):
+        assert one.unlit
+        assert one.emissive == (0, 0, 0)
+        assert one.base_color[:3] == pytest.approx(color)
+        assert one.alpha_mode == material_given.alpha_mode
+    assert drawn[2].base_color_texture is not None
+
+
+def test_lit_by_lamps_alone(ground):
+    """The page lights what its own lamps light, in words, and the sky is black."""
+    eye = omma.load_eye(ground / "plain.csv")
+    disc = omma.scene.disc(0.1)
+    glow = disc.replace(materials=[one.replace(emissive=(1, 0.5, 0.2)) for one in disc.materials])
+    world = omma.World(glow, light=omma.light.lamps(), ultraviolet="dark")
+    with omma.view.show(world, eye, port=0) as window:
+        assert "lit by the page" in window._page.scene.note
+
+
 @pytest.mark.parametrize("projection", PROJECTIONS)
 @pytest.mark.parametrize("size", [(800, 800), (1500, 700), (300, 900)])
 def test_the_picture_fills_the_room_that_it_has(projection, size):

@@ -81,9 +81,13 @@ class PageScene:
         light = self.looker.world.light
         assert light is not None
         scene = self.server.scene
+        sky, discs = light.irradiance()
+        if not np.any(sky + discs):
+            lamps = "lit by the page, not by the scene's own lamps"
+            self.note = "; ".join(one for one in (self.note, lamps) if one)
+            return
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
-        sky, discs = light.irradiance()
         sky_colour, sky_level = _lamp(bands_to_rgb(sky / np.pi, light))
         below = bands_to_rgb(_GROUND * (sky + discs) / np.pi, light)
         ground_colour, _ = _lamp(below, sky_level)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from omma._core import Camera, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arrays import Floats
-from omma.picture.band_colours import bands_to_rgb
+from omma.picture.band_colours import colours_of
 from omma.picture.cameras import display, render_camera
 from omma.scene.files import save_scene
 from omma.scene.world import World
@@ -43,8 +43,7 @@ def drawn_scene(world: World) -> DrawnScene:
     scene = world.scene.replace(splats=())  # splat_scene.py has them
     placed = scene.instances  # a new list each time it is asked for
     if world.light is None:
-        # Surfaces then show base colour and emission as they are, which glTF calls unlit.
-        scene = scene.replace(materials=[one.replace(unlit=True) for one in scene.materials])
+        scene = scene.replace(materials=[_as_seen_unlit(one) for one in scene.materials])
     groups = _groups(scene)
     of_world = world.instances
     # Where the file has what has been moved since.
@@ -75,6 +74,25 @@ def drawn_scene(world: World) -> DrawnScene:
     return DrawnScene(drawn, tuple(moving), "; ".join(notes))
 
 
+def _as_seen_unlit(material: Material) -> Material:
+    """One that shows base colour and emission as they are. glTF's unlit materials have no emission
+    beside their colour; of two where one is a picture the brighter is shown."""
+    shine = np.array(material.emissive)
+    color = np.array(material.base_color)
+    plain = {"unlit": True, "emissive": (0, 0, 0), "emissive_texture": None}
+    if material.unlit or not shine.any():
+        return material.replace(**plain)
+    if material.base_color_texture is None and material.emissive_texture is None:
+        color[:3] = np.minimum(color[:3] + shine, 1)
+        return material.replace(**plain, base_color=color)
+    if material.alpha_mode == "opaque" and shine.sum() > color[:3].sum():
+        color[:3] = np.minimum(shine, 1)
+        return material.replace(
+            **plain, base_color=color, base_color_texture=material.emissive_texture
+        )
+    return material.replace(**plain)
+
+
 def without_scale(matrix: Floats) -> Floats:
     """A transform (4, 4) with its rotation and translation alone."""
     left, _, right = np.linalg.svd(matrix[:3, :3])
@@ -92,7 +110,7 @@ def sky_dome(world: World, radius_m: float) -> bytes:
         empty = World(Scene(), light=world.light, lighting="path", threads=1)
     camera = Camera(type="panoramic")
     picture = render_camera(empty, camera, width=_SKY_WIDTH, height=_SKY_WIDTH // 2, samples=4)
-    rgb = picture if world.light is None else bands_to_rgb(picture, world.light)
+    rgb = colours_of(world, picture)
     if rgb.shape[-1] != 3:
         rgb = np.repeat(rgb[..., :1], 3, axis=2)
     pixels = display(np.ascontiguousarray(rgb))
