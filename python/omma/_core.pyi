@@ -1321,6 +1321,14 @@ class Acceptance:
         Full width at half maximum; the geometric mean of the widest and the narrowest where not round.
         """
 
+    @property
+    def coupling_efficiency(self) -> float:
+        """
+        Of a distant point's light that the facet lets in, the share that is inside the rhabdom
+        where S is 1: of `lens_rhabdom` by its modes or, 'geometric', the Airy pattern within
+        the tip. 1 of all others, whose S says nothing absolute.
+        """
+
     def width_rad(self, azimuth_rad: float = 0.0) -> float:
         """Full width at half maximum through the axis along an azimuth."""
 

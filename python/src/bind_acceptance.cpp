@@ -14,6 +14,7 @@
 #include "omma/error.h"
 #include "omma/receptor.h"
 #include "optics/acceptance_hash.h"
+#include "optics/lens_rhabdom.h"
 #include "plausible.h"
 #include "progress.h"
 #include "struct_values.h"
@@ -269,6 +270,12 @@ void bind_acceptance(nb::module_& m) {
           },
           "Full width at half maximum; the geometric mean of the widest and the narrowest "
           "where not round.")
+      .def_prop_ro(
+          "coupling_efficiency",
+          [](const Acceptance& a) { return run_long([&] { return coupling_efficiency(a); }); },
+          "Of a distant point's light that the facet lets in, the share that is inside the rhabdom\n"
+          "where S is 1: of `lens_rhabdom` by its modes or, 'geometric', the Airy pattern within\n"
+          "the tip. 1 of all others, whose S says nothing absolute.")
       .def(
           "width_rad",
           [](const Acceptance& a, double azimuth_rad) {

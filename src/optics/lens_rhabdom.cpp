@@ -267,6 +267,20 @@ std::shared_ptr<const LensProfile> make_lens_profile(const Acceptance& acceptanc
   });
 }
 
+double coupling_efficiency(const Acceptance& acceptance) {
+  if (acceptance.kernel != Kernel::lens_rhabdom || acceptance.model == RhabdomModel::snyder)
+    return 1;
+  const double b = rhabdom_radius_x(acceptance);
+  // What of an Airy pattern is within b (Born and Wolf, Principles of optics, 8.5.2).
+  if (acceptance.model == RhabdomModel::geometric)
+    return 1 - std::pow(j0(b), 2) - std::pow(j1(b), 2);
+  // A pupil that lets one unit of power through has the amplitude 1/(sqrt(pi) b) at the rhabdom's
+  // spatial frequencies q up to b, and a mode the power 2 pi norm: the square of
+  //   2 pi b^2/(sqrt(pi) b sqrt(2 pi norm)) integral of mode_spectrum(b t) t dt from 0 to 1.
+  const std::vector<double> values = waveguide_values(acceptance);
+  return 2 * b * b * *std::max_element(values.begin(), values.end());
+}
+
 namespace {
 
 // A mode's spectrum over the pupil, from its centre to its rim, cubic between 512 steps.

@@ -54,6 +54,10 @@ struct LensProfile {
 };
 std::shared_ptr<const LensProfile> make_lens_profile(const Acceptance& acceptance);
 
+// Of the light of a distant point that the facet lets in, what is inside the rhabdom where S is 1;
+// 1 of all kinds but `lens_rhabdom` by modes or by rays, of which S says nothing absolute.
+double coupling_efficiency(const Acceptance& acceptance);
+
 // Modulation transfer at spatial frequencies over half the cut-off's: 0 from 2 on. Of the lens
 // alone and, for each of many frequencies, of lens and waveguide.
 double airy_transfer(double frequency);

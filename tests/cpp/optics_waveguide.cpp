@@ -117,6 +117,22 @@ TEST(OpticsWaveguide, SensitivityIsTheOverlapOfPatternAndModes) {
     }
 }
 
+// Against the pattern's whole power, 4 pi / radius^2 in the same units, ring by ring and spoke by
+// spoke; the sum is a midpoint rule in steps of 1/80.
+TEST(OpticsWaveguide, CouplingEfficiencyIsThePowerInside) {
+  for (const double rhabdom_um : {1.4, 1.9, 2.7})
+    for (const double wide : {0.8, 2.0}) {
+      const Acceptance a = lens_rhabdom(RhabdomModel::waveguide, 250, rhabdom_um, wide);
+      const double radius = 0.5 * pi * wide, cell = 1.0 / 80 * 2 * pi / 64;
+      double sum = 0;
+      for (const WaveguideMode& mode : waveguide_modes(waveguide_parameter(a)))
+        sum += power_taken(mode, radius, 1e-9);
+      EXPECT_NEAR(coupling_efficiency(a), sum * cell * radius * radius / (4 * pi), 2e-4)
+          << rhabdom_um << " um, " << wide << " lambda/D";
+    }
+  EXPECT_EQ(coupling_efficiency(lens_rhabdom(RhabdomModel::snyder, 25, 1.4, 1)), 1);
+}
+
 // What docs/eyes.md says of S on the axis, over its largest.
 TEST(OpticsWaveguide, LargestBesideTheAxis) {
   const auto on_axis = [](double v, double ratio) {

@@ -7,6 +7,7 @@ from conftest import make_eye
 import omma
 from omma.light import Bands
 from omma.receptors import ReceptorType
+from omma.receptors.solid_angles import receptor_coupling_efficiency
 
 RANGE_NM = np.linspace(300, 700, 400_001)
 
@@ -55,7 +56,8 @@ def test_photons_caught_of_a_flat_spectrum():
     land = omma.receptors.photon_catch(
         eye, responses, light, integration_time_s=0.015, field="land"
     )
-    # Summed in steps of 1 pm: (π/4) D² Ω ∫ L (1 - exp(-k a l)) dλ t, of Gaussians so narrow that
+    # Summed in steps of 1 pm: (π/4) D² Ω ∫ L (1 - exp(-k a l)) dλ t / 8 of eight cells that share
+    # a rhabdom, of Gaussians so narrow that
     # Ω = π/(4 ln 2) Δρ² to Δρ²/(16 ln 2), 2e-4; Land's is (π/4) Δρ².
     for receptor, one in enumerate(eye.receptor_types):
         absorbance = omma.receptors.govardovskii(one.peak_wavelength_nm, RANGE_NM)
@@ -63,7 +65,7 @@ def test_photons_caught_of_a_flat_spectrum():
         integral = np.trapezoid(absorbed, RANGE_NM) * 3e17
         angle = float(np.float32(0.045))  # as the eye holds it
         diameter = float(np.float32(20e-6))
-        per_sr = np.pi / 4 * diameter**2 * integral * 0.015
+        per_sr = np.pi / 4 * diameter**2 * integral * 0.015 / 8
         here = eye.receptor_type == receptor
         expected = per_sr * np.pi / 4 * angle**2
         np.testing.assert_allclose(land[here], expected, rtol=1e-5)
@@ -155,7 +157,7 @@ def test_a_catch_is_the_light_that_enters():
     one = eye.receptor_types[green]
     absorbed = -np.expm1(-one.absorption_per_m * one.length_m * omma.receptors.govardovskii(
         one.peak_wavelength_nm, RANGE_NM))  # fmt: skip
-    of_a_sr = np.pi / 4 * 20e-6**2 * np.trapezoid(absorbed, RANGE_NM) * 1e17
+    of_a_sr = np.pi / 4 * 20e-6**2 * np.trapezoid(absorbed, RANGE_NM) * 1e17 / 8
     assert caught[1] == pytest.approx(0.01 * of_a_sr, rel=1e-5)  # the spot's own solid angle
     assert caught[0] == pytest.approx(2 * np.pi * (1 - np.cos(0.25)) * of_a_sr, rel=1e-5)
 
@@ -199,7 +201,8 @@ DONORS = {"holcocephala": ("calliphora", "honeybee_worker")}
 
 @pytest.mark.parametrize("name", omma.species.names())
 def test_photons_of_every_animal(name):
-    """(π/4) D² Ω t L ∫ (1 - exp(-k a l)) dλ of light that is the same everywhere."""
+    """f (π/4) D² Ω t L ∫ (1 - exp(-k a l)) dλ of light that is the same everywhere, f its share of
+    the rhabdom, times what gets into it."""
     animal = omma.species.make(name, assume=DONORS.get(name, "honeybee_worker"))
     eye, light = animal.eye, omma.light.uniform_sky(1e17)
     caught = omma.receptors.photon_catch(
@@ -212,6 +215,7 @@ def test_photons_of_every_animal(name):
     }
     diameter = eye.facet_diameter_m[omma.receptors.ommatidium_of_receptor(eye)].astype(float)
     per_nm = np.pi / 4 * diameter**2 * omma.receptors.receptor_solid_angle_sr(eye) * 0.01 * 1e17
+    per_nm *= omma.receptors.rhabdom_share(eye) * receptor_coupling_efficiency(eye)
     peaks = np.array([one.peak_wavelength_nm for one in eye.receptor_types])[eye.receptor_type]
     for peak in np.unique(peaks):
         absorbance = omma.receptors.govardovskii(peak, RANGE_NM[::100])
@@ -219,6 +223,58 @@ def test_photons_of_every_animal(name):
         width = np.trapezoid(-np.expm1(-6700 * length * absorbance), RANGE_NM[::100])
         # Steps of 0.1 nm here and of 0.25 nm there, of spectra tens of nm wide.
         np.testing.assert_allclose(caught[peaks == peak], width * per_nm[peaks == peak], rtol=1e-5)
+
+
+def test_no_more_is_caught_than_enters():
+    """Cells of one rhabdom divide its light: how many there are changes nothing in their sum, and
+    rhabdoms of any depth catch at most what the lens lets in."""
+    light = omma.light.uniform_sky(1e17, bands=Bands.from_edges([300, 530, 550, 700]))
+    entering = np.pi / 4 * 20e-6**2 * omma.receptors.solid_angle_sr([0.045])[0] * 1e17 * 20
+    sums = []
+    for cells in (1, 6, 24):
+        one = ReceptorType("deep", peak_wavelength_nm=540, absorption_per_m=1e5, length_m=1e-2)
+        eye = make_eye(1).replace(
+            facet_diameter_m=20e-6, acceptance_angle_rad=0.045,
+            receptor_types=[one], receptors=[[0] * cells],
+        )  # fmt: skip
+        seen = (omma.receptors.receptor_matrix(eye, bands=light.bands) @ [0, 1e17, 0])[[0] * cells]
+        caught = omma.receptors.photon_catch(eye, seen, light, integration_time_s=1.0)
+        sums.append(caught.sum())
+    # exp(-1000) is let through; single precision of the eye.
+    assert sums == pytest.approx([entering] * 3, rel=1e-5)
+    for name in omma.species.names():
+        eye = omma.species.make(name, assume=DONORS.get(name, "honeybee_worker")).eye
+        share = omma.receptors.rhabdom_share(eye)
+        # Receptors that look along the axis of their ommatidium, which shares are of one window.
+        along = np.array([t.right_rad == t.up_rad == 0 for t in eye.receptor_types])
+        here = along[eye.receptor_type]
+        of = omma.receptors.ommatidium_of_receptor(eye)[here]
+        assert np.bincount(of, share[here])[np.unique(of)] == pytest.approx(1), name
+        assert (share[~here] == 1).all()  # flies' R1-6
+
+
+@pytest.mark.parametrize("diameter_um", [0.65, 1.0, 1.4])
+def test_a_waveguide_of_one_mode_catches_no_more_than_it_carries(diameter_um):
+    """The antenna theorem: area times solid angle is at most λ² for each mode; and of a rhabdom
+    that takes what falls on its tip it is (π/4)² D² (d/f)²."""
+    light = omma.light.uniform_sky(1e17, bands=Bands.from_edges([300, 475, 485, 700]))
+    deep = ReceptorType("deep", peak_wavelength_nm=480, absorption_per_m=1e5, length_m=1e-2)
+
+    def caught(acceptance):
+        eye = make_eye(1).replace(
+            facet_diameter_m=15e-6, acceptance=acceptance, receptor_types=[deep], receptors=[[0]]
+        )
+        seen = omma.receptors.receptor_matrix(eye, bands=light.bands) @ [0, 1e17, 0]
+        return float(
+            omma.receptors.photon_catch(eye, seen, light, integration_time_s=1.0)[0]
+        ) / (1e17 * 10)  # fmt: skip
+
+    waveguide = omma.Acceptance.lens_rhabdom(15e-6, 25e-6, diameter_um * 1e-6, 480)
+    assert 0.005 < caught(waveguide) / 480e-9**2 < (1 if diameter_um <= 1 else 3)
+    tip = omma.Acceptance.lens_rhabdom(15e-6, 55e-6, diameter_um * 1e-6, 480, model="geometric")
+    etendue = (np.pi / 4 * 15e-6 * diameter_um / 55) ** 2
+    # Tails of an Airy pattern far out, of which sin θ is not θ.
+    assert caught(tip) == pytest.approx(etendue, rel=2e-3)
 
 
 def test_what_is_taken_from_another_animal_is_said():

@@ -502,6 +502,7 @@ def public_calls(folder):
         "receptor_matrix": (bee,),
         "receptor_optical_sensitivity": (bee,),
         "receptor_solid_angle_sr": (bee,),
+        "rhabdom_share": (bee,),
         "solid_angle_sr": (0.05,),
         "render_all_cameras": {
             "scene": scene_file, "folder": folder / "all", "width": 8, "height": 4,

@@ -70,8 +70,8 @@ COMES_OUT = {
     "README.md": "assert responses.shape == errors.shape == (1, 10760, 3)",
     "docs/closed-loops.md": "assert observations.shape == (64, 200, 3) and responses.any()",
     "docs/colours.md": """
-assert f"{colour_vision.noise_limited_distance(one, other, noise, photon_noise=True):.1f}" == "5.2"
-assert abs(found.distance_m - 1.75) < 0.01 + 4 * found.standard_error_m
+assert f"{colour_vision.noise_limited_distance(one, other, noise, photon_noise=True):.1f}" == "2.7"
+assert abs(found.distance_m - 1.71) < 0.01 + 4 * found.standard_error_m
 """,
     "docs/datasets.md": """
 assert evening.sizes["view"] == 40 and len(views) == 80

@@ -53,7 +53,8 @@ def test_a_matt_surface_sends_back_what_was_measured(kind):
 
 
 def test_from_a_measured_petal_to_photons(tmp_path):
-    """The whole way, against π/4 D² Ω t ∫ ρ E/π (1 - exp(-k a l)) dλ in steps of 0.1 nm."""
+    """The whole way, against π/4 D² Ω t ∫ ρ E/π (1 - exp(-k a l)) dλ / 3 in steps of 0.1 nm, of
+    three cells of one rhabdom."""
     nm = np.arange(300, 701.0)
     reflectance = 0.1 + 0.4 / (1 + np.exp(-(nm - 520) / 15))
     daylight = 2e18 * (nm / 500) ** 2
@@ -76,7 +77,7 @@ def test_from_a_measured_petal_to_photons(tmp_path):
     for one, number in zip(eye.receptor_types, caught, strict=True):
         absorbed = -np.expm1(-6700 * 320e-6 * omma.receptors.govardovskii(
             one.peak_wavelength_nm, fine))  # fmt: skip
-        expected = field * np.trapezoid(absorbed * radiance, fine)
+        expected = field * np.trapezoid(absorbed * radiance, fine) / 3
         # Bands of 5 nm: products of means beside means of products.
         assert number == pytest.approx(expected, rel=2e-3), one.name
 

@@ -1,6 +1,7 @@
 from .band_error import BandError, band_error, natural_reflectances
 from .catches import photon_catch, polarisation_weights
 from .mosaic import OmmatidiumType, assign_receptors, honeybee_ommatidia, up_towards
+from .rhabdoms import rhabdom_share
 from .sensitivity import (
     ReceptorType,
     govardovskii,
@@ -32,6 +33,7 @@ __all__ = [
     "receptor_matrix",
     "receptor_optical_sensitivity",
     "receptor_solid_angle_sr",
+    "rhabdom_share",
     "solid_angle_sr",
     "spectral_sensitivity",
     "up_towards",

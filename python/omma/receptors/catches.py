@@ -11,6 +11,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.light.lights import Light
+from omma.receptors.rhabdoms import rhabdom_share
 from omma.receptors.sensitivity import (
     of_each_sensitivity,
     receptor_optical_sensitivity,
@@ -30,11 +31,13 @@ def photon_catch(
 ) -> Floats:
     """Photons that each receptor absorbs in a time: (..., R).
 
-    N = (π/4) D² Ω t ∫ L (1 - exp(-k a l)) dλ from 300 to 700 nm (after Land 1981; Warrant and
+    N = f (π/4) D² Ω t ∫ L (1 - exp(-k a l)) dλ from 300 to 700 nm (after Land 1981; Warrant and
     Nilsson 1998), with the facet's diameter D, the solid angle Ω of the acceptance, the rhabdom's
-    absorption k and length l and the pigment's absorbance a. What the lens and what is before the
-    rhabdom take away is not counted. Of a receptor with a table, its largest sensitivity stands for
-    1 - exp(-kl).
+    absorption k and length l, the pigment's absorbance a, and the receptor's share f of the
+    rhabdom's cross-section (`rhabdom_share`): published numbers are of whole rhabdoms, f = 1. Of
+    `Acceptance.lens_rhabdom` what does not get into the rhabdom is taken off
+    (`Acceptance.coupling_efficiency`); what the lens and what is before the rhabdom absorb is not.
+    Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
 
     Args:
         responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
@@ -70,7 +73,7 @@ def photon_catch(
     if answers.shape[-1:] != sensitivity.shape:
         raise Error(_which_responses(eye, answers.shape))
     per_type = np.array(of_each_sensitivity(eye.receptor_types, sensitivity_integral_nm))
-    per_response = sensitivity * per_type[eye.receptor_type] * time_s
+    per_response = sensitivity * rhabdom_share(eye) * per_type[eye.receptor_type] * time_s
     return np.asarray(answers * per_response)
 
 

@@ -19,7 +19,11 @@ from omma._core import ReceptorType as ReceptorType
 from omma.base.arguments import array_of, arrays_of, checked
 from omma.base.arrays import Floats
 from omma.light.bands import Bands, band_means
-from omma.receptors.solid_angles import Field, receptor_solid_angle_sr
+from omma.receptors.solid_angles import (
+    Field,
+    receptor_coupling_efficiency,
+    receptor_solid_angle_sr,
+)
 
 Responses = NDArray[np.float32]
 
@@ -241,7 +245,8 @@ def receptor_optical_sensitivity(
 
     Args:
         monochromatic: of light at the pigment's peak, instead of white.
-        field: "land", (π/4) Δρ², as published; "acceptance", ∫ S dω of its own acceptance.
+        field: "land", (π/4) Δρ², as published; "acceptance", ∫ S dω of its own acceptance, times
+            its `Acceptance.coupling_efficiency`.
 
     Raises:
         omma.Error: what `receptor_solid_angle_sr` raises.
@@ -252,6 +257,8 @@ def receptor_optical_sensitivity(
     absorption = np.array([t.absorption_per_m for t in types])[of]
     area = np.pi / 4 * diameter**2
     solid_angle = receptor_solid_angle_sr(eye, field=field)
+    if field == "acceptance":
+        solid_angle = solid_angle * receptor_coupling_efficiency(eye)
     found = area * solid_angle * _absorbed(absorption * length, monochromatic)
     return np.where((diameter > 0) & (length > 0) & (absorption > 0), found, np.nan)
 

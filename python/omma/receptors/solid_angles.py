@@ -9,6 +9,7 @@ much.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -67,17 +68,31 @@ def receptor_solid_angle_sr(eye: Eye, *, field: Field = "acceptance") -> Floats:
     """
     land = one_of(field, ("acceptance", "land"), "field") == "land"
     width = eye.acceptance_angle_rad.astype(np.float64)
-    of_ommatidium = math.pi / 4 * width**2 if land else solid_angle_sr(width)
+    if not land:
+        return _of_receptors(eye, solid_angle_sr(width), _of_one)
+    discs = math.pi / 4 * width**2
+    return _of_receptors(eye, discs, lambda one: math.pi / 4 * one.mean_width_rad**2, land=True)
+
+
+def receptor_coupling_efficiency(eye: Eye) -> Floats:
+    """`Acceptance.coupling_efficiency` of each receptor of an eye: (R,)."""
+    return _of_receptors(eye, np.ones(len(eye)), lambda one: one.coupling_efficiency)
+
+
+def _of_receptors(
+    eye: Eye, of_width: Floats, of_one: Callable[[Acceptance], float], *, land: bool = False
+) -> Floats:
+    """(R,), of a receptor's own acceptance, or its ommatidium's, or (N,) of its width; `land`: by
+    the ommatidium's width in any case."""
+    of_ommatidium = of_width
     if not land and len(eye.acceptances):
-        known = np.array([_of_one(one) for one in eye.acceptances])
+        known = np.array([of_one(one) for one in eye.acceptances])
         which = eye.acceptance_of
-        of_ommatidium = np.where(which >= 0, known[np.maximum(which, 0)], of_ommatidium)
-    own = np.full(len(eye.receptor_types), np.nan)
-    for k, one in enumerate(eye.receptor_types):
-        if one.acceptance is not None:
-            mean = one.acceptance.mean_width_rad
-            own[k] = math.pi / 4 * mean**2 if land else _of_one(one.acceptance)
-    of_type = own[eye.receptor_type]
+        of_ommatidium = np.where(which >= 0, known[np.maximum(which, 0)], of_width)
+    own = np.array([
+        np.nan if one.acceptance is None else of_one(one.acceptance) for one in eye.receptor_types
+    ])  # fmt: skip
+    of_type = own[eye.receptor_type] if len(own) else np.zeros(0)
     of_ommatidium = np.repeat(of_ommatidium, np.diff(eye.first_receptor))
     return np.where(np.isnan(of_type), of_ommatidium, of_type)
 
