@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 
 #include <cmath>
+#include <string>
 
 #include "values.h"
 
@@ -32,9 +33,22 @@ Background background_of_type(BackgroundType type) {
   return background;
 }
 
+// Of an array a shape is meant; a file may be a part of a panorama, or a fisheye's.
+void warn_of_shape(const Image& image) {
+  constexpr double most_off = 0.02;
+  if (std::abs(image.width / (2.0 * image.height) - 1) <= most_off) return;
+  const std::string sentence = "image: " + std::to_string(image.width) + " x " +
+                               std::to_string(image.height) +
+                               " pixels are stretched over the whole sphere, of which an "
+                               "equirectangular picture is twice as wide as high";
+  if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) < 0) throw nb::python_error();
+}
+
 Background image_background(nb::handle source) {
   Background background = background_of_type(BackgroundType::image);
   background.image = image_argument(source, "image");
+  if (nb::isinstance<nb::str>(source) || nb::hasattr(source, "__fspath__"))
+    warn_of_shape(background.image);
   return background;
 }
 
@@ -89,7 +103,7 @@ void bind_background(nb::module_& m) {
           "An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y\n"
           "at the top.\n\n"
           "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:\n"
-          "linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float "
+          "linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float "
           "is\n"
           "linear radiance. OpenEXR has channels R, G and B, or Y alone.\n\n"
           "Raises `omma.Error` where the file or the array is not such an image.")

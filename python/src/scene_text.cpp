@@ -1,6 +1,7 @@
 // A scene as text: see scene_text.h.
 #include "scene_text.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "model/text.h"
@@ -38,10 +39,16 @@ std::string grouped(std::uint64_t number) {
   return text;
 }
 
-std::string point(double x, double y, double z) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.4g, %.4g, %.4g", x, y, z);
+// To four digits, and at least to the hundredth, as places far from the origin differ by less.
+std::string number(double x) {
+  char text[32];
+  const bool far = std::abs(x) >= 100;
+  std::snprintf(text, sizeof text, far ? "%.12g" : "%.4g", far ? std::round(100 * x) / 100 : x);
   return text;
+}
+
+std::string point(double x, double y, double z) {
+  return number(x) + ", " + number(y) + ", " + number(z);
 }
 
 std::string background_text(const Background& background) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/image_formats.h"
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -55,23 +56,41 @@ void read_scanline(Reader& reader, std::vector<std::uint8_t>& rgbe, int width) {
     for (std::size_t i = 4; i < rgbe.size(); ++i) rgbe[i] = reader.next();
 }
 
+struct Header {
+  ImageClaim claim;
+  double exposure = 1;  // by which radiances have been multiplied
+};
+
+// A line EXPOSURE=number; each one is by itself, and all of them were multiplied in.
+double exposure_of(const std::string& line, const std::string& place) {
+  double exposure = 0;
+  if (std::sscanf(line.c_str(), "EXPOSURE=%lf", &exposure) != 1 || !(exposure > 0) ||
+      !std::isfinite(exposure))
+    throw Error(place + ": expected EXPOSURE= and a number above 0 in its header, found " +
+                readable_text(line));
+  return exposure;
+}
+
 // The header, up to the pixels.
-ImageClaim read_header(Reader& reader) {
+Header read_header(Reader& reader) {
   const std::string& place = reader.place;
   bool rgbe_format = false;
-  for (std::string line = reader.line(); !line.empty(); line = reader.line())
+  double exposure = 1;
+  for (std::string line = reader.line(); !line.empty(); line = reader.line()) {
     if (line == "FORMAT=32-bit_rle_rgbe") rgbe_format = true;
+    if (line.starts_with("EXPOSURE=")) exposure *= exposure_of(line, place);
+  }
   if (!rgbe_format) throw Error(place + ": expected FORMAT=32-bit_rle_rgbe in its header");
   const std::string size = reader.line();
   int width = 0, height = 0;
   if (std::sscanf(size.c_str(), "-Y %9d +X %9d", &height, &width) != 2)
     throw Error(place + ": expected its size as \"-Y height +X width\"");
   ImageClaim claim{width, height, 0, 0};
-  if (width < 1 || height < 1) return claim;
+  if (width < 1 || height < 1) return {claim, exposure};
   claim.memory = static_cast<std::uint64_t>(claim.width * claim.height) * 4 * sizeof(float);
   // A run packs at most 127 pixels into 2 bytes of each component.
   claim.most_pixels = std::uint64_t{reader.bytes.size() - reader.at} * 16;
-  return claim;
+  return {claim, exposure};
 }
 
 }  // namespace
@@ -83,12 +102,12 @@ bool is_radiance_hdr(EncodedImage bytes) {
 
 ImageClaim radiance_hdr_claim(EncodedImage bytes, const std::string& place) {
   Reader reader{bytes, place};
-  return read_header(reader);
+  return read_header(reader).claim;
 }
 
 Image decode_radiance_hdr(EncodedImage bytes, const std::string& place, const WorkPart& work) {
   Reader reader{bytes, place};
-  const ImageClaim claim = read_header(reader);
+  const auto [claim, exposure] = read_header(reader);
   Image image;
   image.width = static_cast<int>(claim.width);
   image.height = static_cast<int>(claim.height);
@@ -103,7 +122,7 @@ Image decode_radiance_hdr(EncodedImage bytes, const std::string& place, const Wo
       for (std::size_t c = 0; c < 3; ++c)
         pixel[c] = rgbe[i + 3] == 0
                        ? 0.0f
-                       : std::ldexp(static_cast<float>(rgbe[i + c]), rgbe[i + 3] - 136);
+                       : static_cast<float>(std::ldexp(rgbe[i + c] / exposure, rgbe[i + 3] - 136));
       pixel[3] = 1.0f;
     }
   }

@@ -100,6 +100,15 @@ TEST(Image, RadianceHdr) {
   expect_error([&] { decode(hdr("-Y 1 +X 8", packed)); }, {"place", "does not decode"});
   expect_error([&] { decode(hdr("-Y 99999 +X 99999", packed)); }, {"place", "99999 x 99999"});
   expect_error([&] { decode(hdr("+X 8 -Y 1", packed)); }, {"place", "size"});
+  // What a program multiplied all radiances by, once or more, is divided by.
+  const std::string one("\x80\x40\x20\x81", 4), head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
+  const auto exposed = [&](const std::string& lines) {
+    return decode(head + lines + "\n-Y 1 +X 1\n" + one).rgba_linear[0];
+  };
+  EXPECT_FLOAT_EQ(exposed("EXPOSURE=0.25\n"), 4 * exposed(""));
+  EXPECT_FLOAT_EQ(exposed("EXPOSURE= 2\nEXPOSURE=4\n"), exposed("") / 8);
+  for (const char* bad : {"EXPOSURE=\n", "EXPOSURE=0\n", "EXPOSURE=-1\n", "EXPOSURE=nan\n"})
+    expect_error([&] { exposed(bad); }, {"place", "EXPOSURE"});
   expect_error([&] { decode("#?RADIANCE\nFORMAT=x\n\n-Y 1 +X 1\nabcd"); }, {"place", "FORMAT"});
 }
 

@@ -7,6 +7,7 @@ import pytest
 from conftest import make_eye
 
 import omma
+from omma.job.places import place_words
 
 
 def test_info_of_a_scene(omma_command):
@@ -72,3 +73,15 @@ def test_azimuths_are_told_from_180_to_180(azimuth, says):
     from omma.job.info import describe_eye
 
     assert dict(describe_eye(eye))["azimuth"].startswith(says)
+
+
+def test_places_far_from_the_origin_keep_their_centimetres(omma_command, tmp_path):
+    """As in UTM, where the fourth digit is a kilometre; near by four digits are enough."""
+    (tmp_path / "plot.obj").write_text(
+        "v 456789.123 5432100.5 99\nv 456799 5432100 99\nv 456799 5432110 101.25\nf 1 2 3\n"
+    )
+    _, told, _ = omma_command("info", str(tmp_path / "plot.obj"), "--up", "z")
+    assert "(456789.12, 99, -5432110) to (456799, 101.25, -5432100) m" in " ".join(told.split())
+    html = omma.load_scene(tmp_path / "plot.obj", up="z")._repr_html_()
+    assert "456789.12, 99, -5432110 to 456799, 101.25, -5432100 m" in html
+    assert place_words((0.123456, -12.3456, 100.0)) == "(0.1235, -12.35, 100)"

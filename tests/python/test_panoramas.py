@@ -29,6 +29,27 @@ LAYOUTS = [
 ]
 
 
+def test_pictures_that_are_no_whole_sphere_are_told(tmp_path, recwarn):
+    """Of a file, and of an array where nothing but a panorama is meant; small ones are made up."""
+    eye = omma.eye.generate_eye(20)
+    strip = np.full((40, 120, 3), 128, np.uint8)
+    Image.fromarray(strip).save(tmp_path / "strip.png")
+    for look in (
+        lambda: omma.rendering.see_panorama(strip, eye),
+        lambda: omma.rendering.see_panorama(tmp_path / "strip.png", eye),
+        lambda: omma.Background.image(tmp_path / "strip.png"),
+        lambda: omma.light.panorama(strip, ultraviolet="dark"),
+    ):
+        with pytest.warns(UserWarning, match="120 x 40 pixels are stretched over the whole sphere"):
+            look()
+    omma.Background.image(strip)
+    omma.rendering.see_panorama(strip[:8], eye)
+    omma.rendering.see_panorama(np.ones((61, 120, 3), np.float32), eye)
+    fisheye = omma.rendering.Fisheye(40, 120, field_deg=180)
+    omma.rendering.see_panorama(tmp_path / "strip.png", eye, layout=fisheye)
+    assert not [one for one in recwarn if issubclass(one.category, UserWarning)]
+
+
 def eye_of(axes, acceptance=None, width_rad=WIDTH):
     axes = np.asarray(axes, float).reshape(-1, 3)
     if acceptance is not None:

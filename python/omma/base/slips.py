@@ -1,5 +1,5 @@
-"""Times and rates that nobody means, mostly in another unit: the caller is told, as nothing else is
-wrong with them. Those of eyes and optics are in the engine's `plausible.h`.
+"""Times, rates and pictures that nobody means, mostly in another unit: the caller is told, as
+nothing else is wrong with them. Those of eyes and optics are in the engine's `plausible.h`.
 
 The ranges are assumed: wide ones around what is published and shown, so that a factor of 1,000, of
 milliseconds, leaves them.
@@ -20,6 +20,23 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     # A frame that lasts sees nothing of what was there a second ago.
     "time between frames": (0.0, 1.0, "s"),
 }
+
+
+# Smaller pictures are made up, and a picture of twice its height is off by rounding at most.
+_LEAST_PIXELS, _MOST_OFF = 16, 0.02
+
+
+def warn_of_shape(shape: tuple[int, ...], name: str) -> None:
+    """Tell the caller of the package of a picture that is no whole sphere by its shape."""
+    height, width = shape[:2]
+    if min(height, width) < _LEAST_PIXELS or abs(width / (2 * height) - 1) <= _MOST_OFF:
+        return
+    warn_caller(
+        f"{name}: {width} x {height} pixels are stretched over the whole sphere, of which an "
+        "equirectangular picture is twice as wide as high; pad a part of one with what is not "
+        "known, and give see_panorama(layout=) an omma.rendering.Fisheye for a fisheye's",
+        UserWarning,
+    )
 
 
 def warn_of_slip(what: str, value: float, name: str) -> None:

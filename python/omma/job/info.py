@@ -15,6 +15,7 @@ from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_extent
+from omma.job.places import place_words
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
 from omma.scene.capture_cameras import is_capture
@@ -113,7 +114,7 @@ def describe_scene(scene: Scene) -> Lines:
     if bounds is None:
         lines.append(("bounds", "empty: nothing but background"))
     else:
-        lines.append(("bounds", f"{_point(bounds[0])} to {_point(bounds[1])} m"))
+        lines.append(("bounds", f"{place_words(bounds[0])} to {place_words(bounds[1])} m"))
         lines.append(("extent", describe_extent(bounds[1] - bounds[0])))
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
@@ -123,7 +124,7 @@ def describe_scene(scene: Scene) -> Lines:
     for index, camera in enumerate(scene.cameras):
         matrix = camera.world_from_camera
         scale = np.cbrt(abs(np.linalg.det(matrix[:3, :3])))
-        text = f"{index} {camera.name}: {camera.type} at {_point(matrix[:3, 3])} m"
+        text = f"{index} {camera.name}: {camera.type} at {place_words(matrix[:3, 3])} m"
         if abs(scale - 1) > 1e-6:
             text += f", scale {scale:.4g}"
         if camera.compound_structure:
@@ -133,7 +134,7 @@ def describe_scene(scene: Scene) -> Lines:
         lines.append(("camera", text))
     for name in scene.hit_box_names:
         box = scene.hit_box_bounds(name)
-        corners = "empty" if box is None else f"{_point(box[0])} to {_point(box[1])} m"
+        corners = "empty" if box is None else f"{place_words(box[0])} to {place_words(box[1])} m"
         lines.append(("hit box", f"{name}: {corners}"))
     lines += [("warning", warning) for warning in scene.warnings]
     return lines

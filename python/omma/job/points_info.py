@@ -9,6 +9,7 @@ import numpy as np
 from omma._core import Error
 from omma.base.progress import Progress
 from omma.job.extents import describe_extent
+from omma.job.places import place_words
 from omma.job.results_info import Lines
 from omma.scene.memory import free_bytes, words_for_bytes
 from omma.scene.point_cells import CellMeans, Columns
@@ -83,7 +84,7 @@ def describe_points(
         found.add(cells.columns())
         thinned = f", means of {sieve.kept:,} in cells of {sieve.voxel_m:g} m"
     ends = (found.low, found.high)
-    corners = [", ".join(f"{x:.10g}" for x in one + sieve.offset_m) for one in ends]
+    corners = [place_words(one + sieve.offset_m) for one in ends]
     some = np.concatenate(found.first)
     whole = "" if len(some) == found.count else f" (of the first {len(some):,})"
     said = file.unit or "not said by the file"
@@ -91,7 +92,7 @@ def describe_points(
     lines = [
         ("points", f"{path}, {file.kind}"),
         ("number", f"{found.count:,}{thinned}"),
-        ("bounds", f"({corners[0]}) to ({corners[1]}) m"),
+        ("bounds", f"{corners[0]} to {corners[1]} m"),
         ("extent", describe_extent(found.high - found.low)),
         ("spacing", f"{spacing_of(some) * 1e3:.4g} mm to the nearest, median{whole}"),
         ("unit", f"{said}, read as {unit}; up {up or file.up}"),

@@ -13,6 +13,7 @@ from omma._core import Error
 from omma.base.files import PathLike, reading
 from omma.base.said import Said, is_text, is_texts
 from omma.job.again import check_background, check_eyes, check_scene
+from omma.job.places import place_words
 from omma.rendering.label_texts import beside
 from omma.rendering.read_back import is_response_csv, load_responses, read_npy
 from omma.rendering.settings import Sampling, Settings, options_of
@@ -74,7 +75,7 @@ def _describe(name: str, data: xarray.Dataset) -> Lines:
         lines.append(("camera angle", f"{_range(data.camera_angle)} degrees"))
     if "position" in data.coords and data.position.size:
         low, high = data.position.values.min(axis=0), data.position.values.max(axis=0)
-        lines.append(("positions", f"{_point(low)} to {_point(high)} m"))
+        lines.append(("positions", f"{place_words(low)} to {place_words(high)} m"))
     if not data.attrs:
         return [*lines, ("story", "none: the file does not say how it was made")]
     said = Said(data.attrs, name)
@@ -142,7 +143,3 @@ def _plural(dimension: Any, count: int) -> str:
     if count == 1:
         return word
     return "ommatidia" if word == "ommatidium" else word + "s"
-
-
-def _point(values: np.ndarray[Any, Any]) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

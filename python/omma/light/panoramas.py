@@ -12,6 +12,7 @@ from omma._core import Error, Image
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
+from omma.base.slips import warn_of_shape
 from omma.light.bands import Bands, primary_spectra
 from omma.light.lights import Light
 from omma.light.sky_map import from_equirectangular
@@ -67,6 +68,7 @@ def panorama(
 
     matrix = bands.mean(lifted) * radiance_per_unit
     picture = _linear_rgb(image)[:, :, None, :]
+    warn_of_shape(picture.shape, "image")
     return Light(bands, unit, from_equirectangular(picture), band_from_channel=matrix)
 
 

@@ -13,12 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from omma._core import Acceptance, Background, Error, Eye
+from omma._core import Acceptance, Error, Eye, Image
 from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
 from omma.base.poses import as_pose
+from omma.base.slips import warn_of_shape
 from omma.base.srgb import linear_of_srgb
 from omma.rendering.picture_layouts import Equirectangular, Layout, pixels_of
 
@@ -103,7 +104,7 @@ class PanoramaView:
 
         Args:
             pictures: (..., \\*layout.shape, B), linear radiance in any number of bands, floats; or
-                uint8, which is sRGB.
+                uint8, which is sRGB. Pixels that are NaN, not known, make NaN of all that see them.
 
         Raises:
             omma.Error: a shape that is not the layout's, or whole numbers of another kind.
@@ -153,7 +154,8 @@ def see_panorama(
         picture: PNG, JPEG and WebP, which are sRGB, Radiance HDR or OpenEXR, linear; or an array as
             `PanoramaView.see` takes it, with any number of bands.
         eye, world_from_head: as of `PanoramaView`.
-        layout: None: equirectangular, as large as the picture.
+        layout: None: equirectangular, as large as the picture, which is then twice as wide as high;
+            the caller is warned of another shape.
 
     Example:
         >>> sky = np.ones((90, 180, 3), np.float32)
@@ -170,6 +172,7 @@ def see_panorama(
     if layout is None:
         if pixels.ndim != 3:
             raise Error(f"picture: expected shape (height, width, bands), found {pixels.shape}")
+        warn_of_shape(pixels.shape, "picture")
         layout = Equirectangular(*pixels.shape[:2])
     return PanoramaView(eye, layout, world_from_head).see(pixels)
 
@@ -180,9 +183,7 @@ def load_picture(path: PathLike) -> Responses:
     Raises:
         omma.Error: there is no such picture.
     """
-    pixels = Background.image(path).pixels
-    assert pixels is not None
-    colors: Responses = linear(pixels)[..., :3]
+    colors: Responses = linear(Image(path).pixels)[..., :3]
     return colors
 
 
