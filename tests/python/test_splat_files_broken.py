@@ -86,12 +86,19 @@ def with_rest(count):
         ({**without("f_rest_8"), "f_rest_9": without()["x"]}, "found no f_rest_8"),
         ({**without(), "f_dc_0": ("uchar", np.arange(6))}, "found f_dc_0 of the type uint8"),
         ({**without(), "opacity": ("int", np.arange(6))}, "found opacity of the type int32"),
-        (without("f_dc_0"), "expected Gaussian splats, vertices with f_dc_0"),
+        (without("f_dc_0"), "found none called f_dc_0"),
+        (without("rot_0"), "found none called rot_0"),
+        (without("scale_0"), "found none called scale_0"),
+        (without("f_dc_0", "rot_0"), "expected Gaussian splats, vertices with f_dc_0"),
     ],
 )
 def test_ply_that_lacks_something(tmp_path, columns, message):
+    name = saved(tmp_path, "a.ply", splat_bytes.ply({"vertex": columns}))
     with pytest.raises(omma.Error, match=rf"a\.ply: .*{message}"):
-        load_splats(saved(tmp_path, "a.ply", splat_bytes.ply({"vertex": columns})))
+        load_splats(name)
+    if "none called" in message:  # and by what loads any scene, to which others are points
+        with pytest.raises(omma.Error, match=rf"a\.ply: .*{message}"):
+            omma.load_scene(name)
 
 
 def test_broken_ply(tmp_path):

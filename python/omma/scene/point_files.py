@@ -46,8 +46,13 @@ _NOISE = (7, 18)
 # (libe57.org, revision 2), whatever its prefix, or by the names that others write.
 _E57_NORMALS = tuple(re.compile(rf"(\w+:)?(normal{a.upper()}|n{a})") for a in "xyz")
 # What vertices of files of Gaussian splats have: a colour by harmonics, a scale and a turn of each
-# (Kerbl et al. 2023), or these packed (PlayCanvas).
-_OF_SPLATS = ({"f_dc_0", "scale_0", "rot_0"}, {"packed_position", "packed_rotation"})
+# (Kerbl et al. 2023), of which a broken file may lack one, or these packed (PlayCanvas).
+_OF_SPLATS = (
+    {"f_dc_0", "scale_0"},
+    {"f_dc_0", "rot_0"},
+    {"scale_0", "rot_0"},
+    {"packed_position", "packed_rotation"},
+)
 
 
 @dataclass
