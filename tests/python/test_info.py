@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from conftest import make_eye
+from PIL import Image
 
 import omma
 from omma.job.places import place_words
@@ -73,6 +74,25 @@ def test_azimuths_are_told_from_180_to_180(azimuth, says):
     from omma.job.info import describe_eye
 
     assert dict(describe_eye(eye))["azimuth"].startswith(says)
+
+
+def test_info_of_a_picture(omma_command, tmp_path):
+    Image.fromarray(np.full((8, 16, 3), 7, np.uint8)).save(tmp_path / "sky.png")
+    code, out, err = omma_command("info", str(tmp_path / "sky.png"))
+    assert (code, err) == (0, "")
+    for words in ("16 x 8 pixels", "sRGB, 7 to 7 of 255", "of the whole sphere"):
+        assert words in out
+    pixel = bytes([128, 128, 128, 129])
+    (tmp_path / "part.hdr").write_bytes(
+        b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=0.5\n\n-Y 2 +X 2\n" + 4 * pixel
+    )
+    _, out, _ = omma_command("info", str(tmp_path / "part.hdr"))
+    for words in ("2 x 2 pixels", "linear, 2 to 2", "none of the whole sphere"):
+        assert words in out
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG")
+    code, _, err = omma_command("info", str(tmp_path / "broken.png"))
+    assert code != 0
+    assert "broken.png" in err
 
 
 def test_places_far_from_the_origin_keep_their_centimetres(omma_command, tmp_path):

@@ -15,6 +15,7 @@ from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_extent
+from omma.job.picture_info import describe_picture, is_picture_file
 from omma.job.places import place_words
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
@@ -63,7 +64,8 @@ def describe_file(
     *,
     voxel_m: float | None = None,
 ) -> Lines:
-    """What is in a file of a scene, points, splats, cameras of a capture, an eye or responses.
+    """What is in a file of a scene, points, splats, cameras of a capture, an eye, a picture or
+    responses.
 
     ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
     ``up`` what is up in these; ``voxel_m`` is the side of the cells of a grid, by which points of a
@@ -79,6 +81,8 @@ def describe_file(
         return describe_capture(path, unit, up)
     if is_response_file(path):
         return describe_responses(path)
+    if is_picture_file(path):
+        return describe_picture(path)
     if is_points:
         name, metres = os.fsdecode(path), "m" if unit is None else unit
         return describe_points(name, metres, up, progress, voxel_m=voxel_m)
