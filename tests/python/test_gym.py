@@ -287,6 +287,22 @@ def test_bounds_of_worlds(walker):
     shining = omma.scene.Material(base_color=(0.5, 0.5, 0.5, 1), emissive=(0, 2, 0))
     world = omma.World(grey.replace(materials=[shining]), background=dark)
     assert bounds(world) == pytest.approx((0, 2.5), rel=1e-4)
+    # What a world was given since counts: colours, emission, pictures.
+    world.set_color(0, (0.9, 0.1, 0.1), emissive=(0, 0, 4))
+    assert bounds(world) == pytest.approx((0, 4.9), rel=1e-4)
+    drum = omma.World(omma.scene.drum(1.0, 4.0, np.full((4, 8, 3), 0.5)), background=dark)
+    assert bounds(drum) == pytest.approx((0, 0.5), rel=1e-4)
+    drum.set_image(0, np.full((4, 8, 3), 2.0))
+    assert bounds(drum) == pytest.approx((0, 2), rel=1e-4)
+    # Layers cover each other, with what they give off.
+    layer = shining.replace(base_color=(0.5, 0.5, 0.5, 0.3), alpha_mode="blend", double_sided=True)
+    corners = [(-9, -9, -1), (9, -9, -1), (0, 9, -1)]
+    sheets = [
+        omma.scene.Mesh(np.array(corners) - (0, 0, k), [(0, 1, 2)], material=0) for k in range(9)
+    ]
+    layers = omma.World(omma.Scene(meshes=sheets, materials=[layer]), background=dark)
+    seen = omma.Renderer(layers, walker.eye, omma.Fixed(16)).render(np.eye(4)).max()
+    assert 2.2 < seen <= bounds(layers)[1] == pytest.approx(2.5, rel=1e-4)
     lit = omma.World(grey, light=omma.light.uniform_sky(), ultraviolet="dark")
     assert bounds(lit) == (0, np.inf)
     opponent = omma.World(grey, background=dark, band_from_rgb=np.array([[1.0, -1, 0], [0, 0, 2]]))

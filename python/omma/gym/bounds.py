@@ -33,12 +33,29 @@ def response_bounds(world: World) -> tuple[float, float]:
     scene = world.scene
     if world.light is not None or scene.color_rule != "gltf":
         return 0.0, np.inf
-    brightest = max(_of_surfaces(scene), _of_background(world.background)) * (1 + _ROUNDING)
+    brightest = max(_of_surfaces(_as_it_is(world)), _of_background(world.background))
+    brightest *= 1 + _ROUNDING
     weights = world.band_from_rgb
     if weights is None:
         return 0.0, float(brightest)
     below, above = np.minimum(weights, 0).sum(axis=1), np.maximum(weights, 0).sum(axis=1)
     return float(brightest * below.min()), float(brightest * above.max())
+
+
+def _as_it_is(world: World) -> Scene:
+    """The scene with the pictures and colours that the world was given since."""
+    scene = world.scene
+    images, colors = world._colors.parts()
+    if not images and not colors:
+        return scene
+    materials, pictures = scene.materials, scene.images
+    for k, (base_color, emissive) in colors.items():
+        own = materials[k]
+        given = (0, 0, 0) if own.unlit else emissive
+        materials[k] = own.replace(base_color=(*base_color, own.base_color[3]), emissive=given)
+    for k, picture in images.items():
+        pictures[k] = picture
+    return scene.replace(materials=materials, images=pictures)
 
 
 def _of_surfaces(scene: Scene) -> float:
@@ -58,8 +75,6 @@ def _of_material(scene: Scene, material: Material) -> tuple[float, float]:
         base *= _of_texture(scene, material.base_color_texture.texture)
     if material.emissive_texture is not None:
         emitted *= _of_texture(scene, material.emissive_texture.texture)
-    if emitted > 0 and material.alpha_mode == "BLEND":
-        emitted = np.inf  # many layers of it may add up
     return base, emitted
 
 
