@@ -253,6 +253,57 @@ def test_text_with_and_without_names(tmp_path, name, head, columns):
         assert (cloud.labels == CLASSES).all()
 
 
+def rows(*columns, count=40):
+    """Lines of text: places on a slope, and these numbers in each."""
+    places = [(0.05 * k, 0.1 * (k % 7), 0.02 * k) for k in range(count)]
+    return [" ".join(f"{x:.4f}" for x in (*one, *columns)) for one in places]
+
+
+@pytest.mark.parametrize(
+    ("name", "columns", "color", "intensity"),
+    [
+        ("a.xyz", (128, 64, 200), (128, 64, 200), False),
+        ("a.xyz", (128, 64, 200, 3000), (128, 64, 200), True),
+        ("a.xyz", (128, 64, 200, 0.5), (128, 64, 200), True),
+        ("a.xyz", (-1200, 128, 64, 200), (128, 64, 200), True),
+        ("a.pts", (20, 128, 64, 200), (128, 64, 200), True),
+        ("a.pts", (3000, 128, 64, 200), (128, 64, 200), True),
+    ],
+)
+def test_columns_without_names_by_what_they_hold(tmp_path, name, columns, color, intensity):
+    (tmp_path / name).write_text("\n".join(rows(*columns)))
+    found = load_points(tmp_path / name)
+    assert found.colors[0] == pytest.approx(srgb_to_linear(np.array(color) / 255), abs=1e-4)
+    assert (found.intensity is not None) == intensity
+
+
+def test_columns_that_may_be_either_are_told(tmp_path):
+    (tmp_path / "a.xyz").write_text("\n".join(rows(20, 128, 64, 200)))
+    with pytest.warns(UserWarning, match="read as x y z intensity red green blue; name them"):
+        load_points(tmp_path / "a.xyz")
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.6, 0, 0.8), (-0.6, 0, 0.8)])
+def test_normals_are_no_colours(tmp_path, normal):
+    (tmp_path / "a.xyz").write_text("\n".join(rows(*normal)))
+    found = load_points(tmp_path / "a.xyz")
+    assert found.colors is None
+    # +Z was up in the file, as text has it.
+    assert found.normals[0] == pytest.approx((normal[0], normal[2], -normal[1]), abs=1e-6)
+
+
+@pytest.mark.parametrize("between", [";", "\t"])
+@pytest.mark.parametrize("head", ["", "x y z red green blue\n"])
+def test_decimal_commas(tmp_path, between, head):
+    text = head + "\n".join(rows(128, 64, 200))
+    plain, commas = tmp_path / "plain.xyz", tmp_path / "commas.xyz"
+    plain.write_text(text)
+    commas.write_text(text.replace(".", ",").replace(" ", between))
+    expected, found = load_points(plain), load_points(commas)
+    assert np.array_equal(found.positions_m, expected.positions_m)
+    assert np.array_equal(found.colors, expected.colors)
+
+
 def test_a_grid_keeps_the_mean_of_each_cell(tmp_path, monkeypatch):
     """Against sums by hand, whatever the pieces."""
     columns = ply_columns(**colour_columns(), label=("uchar", CLASSES))

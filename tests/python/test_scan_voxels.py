@@ -86,8 +86,8 @@ def test_info_says_what_is_left(folder, done, refused):
     counts = [f"{label}: {np.sum(cloud.labels == label):,}" for label in (2, 3)]
     assert lines["classes"] == ", ".join(counts)
     low, high = cloud.bounds
-    assert lines["bounds"].startswith(f"({low[0]:.10g}, ")
-    assert f"{high[2]:.10g}) m" in lines["bounds"]
+    assert lines["bounds"].startswith(f"({low[0]:.4g}, ")
+    assert f"{high[2]:.4g}) m" in lines["bounds"]
     # Means in cells of 5 cm are about as far apart; all points are 16 mm at random.
     assert 20 < float(lines["spacing"].split()[0]) < 50
     assert dict(describe_file("scan.ply"))["number"] == "4,000"

@@ -1,7 +1,8 @@
 """OBJ files: tinyobjloader reads them, in double precision. It cuts names at their first space,
 knows no lines that go on after a backslash and stops at no index too large, so the lines that name
 materials are numbered before it sees them, and what it gives is checked. Of what its Python package
-has, the lists are right; its arrays (numpy_indices and their kin) are not in all versions.
+has, the lists are right; its arrays (numpy_indices and their kin) are not in all versions. What is
+no number it takes for 0, or cuts off where it no longer is one, so numbers are looked at before.
 """
 
 from __future__ import annotations
@@ -24,12 +25,22 @@ from omma.base.polygons import triangulate
 
 _USE = re.compile(rb"^[ \t]*usemtl\b[ \t]*([^\r\n]*)", re.MULTILINE)
 _LIBRARY = re.compile(rb"^[ \t]*mtllib\b[ \t]*([^\r\n]*)\r?$", re.MULTILINE)
+# x, y, z, and w or a colour behind them; in texture coordinates 1 to 3 numbers.
+_NUMBER = rb"[ \t]+[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_END = rb"[ \t]*(?:#[^\r\n]*)?\r?$"
+_NO_VERTEX, _NO_COORDINATE = (
+    re.compile(
+        rb"^[ \t]*%s(?=[ \t])(?!(?:%s){%s}%s)[^\r\n]*" % (kind, _NUMBER, count, _END), re.MULTILINE
+    )
+    for kind, count in ((b"v", b"3,8"), (b"vt", b"1,3"))
+)
 _CURVED = re.compile(rb"^[ \t]*(?:curv2?|surf)[ \t]", re.MULTILINE)
 
 
 def read_obj(path: str) -> MeshParts:
     """The parts of an OBJ file, one piece for each material."""
     data = re.sub(rb"\\[ \t]*\r?\n", b" ", _core.read_file(path))
+    _expect_vertices(path, data)
     libraries = [_text(one).strip() for one in _LIBRARY.findall(data)]
     names: dict[bytes, int] = {}
 
@@ -42,9 +53,25 @@ def read_obj(path: str) -> MeshParts:
     materials = Materials(path, libraries, used)
     parts = materials.parts
     _add_pieces(path, reader, parts, used)
+    if wrong := len(_NO_COORDINATE.findall(data)):
+        parts.warnings.append(
+            f"{wrong} texture coordinates are no numbers, and count as 0 where they are none"
+        )
     if _CURVED.search(data):
         parts.warnings.append("curves and curved surfaces are not shown")
     return parts
+
+
+def _expect_vertices(path: str, data: bytes) -> None:
+    found = _NO_VERTEX.search(data)
+    if found is None:
+        return
+    line = data.count(b"\n", 0, found.start()) + 1
+    commas = "; decimals are behind points, not commas" if b"," in found[0] else ""
+    raise Error(
+        f"{path}: line {line}: expected v and three finite numbers or more, found "
+        f"{_text(found[0].strip())!r:.60}{commas}"
+    )
 
 
 def _text(name: bytes) -> str:
@@ -82,14 +109,15 @@ def _add_pieces(path: str, reader: Any, parts: MeshParts, used: list[str]) -> No
     material = _joined([one.material_ids for one in faces])
     vertex = _joined([one.vertex_indices() for one in faces])
     coordinate = _joined([one.texcoord_indices() for one in faces])  # -1 where it has none
-    for name, index, size, least in (
-        ("vertex", vertex, len(positions), 0),
-        ("texture coordinate", coordinate, len(coordinates), -1),
+    for many, index, size, least in (
+        ("vertices", vertex, len(positions), 0),
+        ("texture coordinates", coordinate, len(coordinates), -1),
     ):
         bad = np.flatnonzero((index < least) | (index >= size))
         if len(bad):
             raise Error(
-                f"{path}: expected faces of {size} {name}s, found one of {name} {index[bad[0]] + 1}"
+                f"{path}: expected faces of the {size} {many} that there are, found one of number "
+                f"{index[bad[0]] + 1}"
             )
     cut = triangulate(positions, vertex, counts)
     if cut.crossed:

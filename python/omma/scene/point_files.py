@@ -19,12 +19,22 @@ from omma.base.files import reading
 from omma.base.optional import needs
 from omma.base.ply_header import LONGEST_HEADER, PlyElement, read_header
 from omma.scene.las_heads import check_las_head, las_unit, reading_las
+from omma.scene.point_columns import (
+    BY_NUMBER,
+    has_decimal_commas,
+    is_number,
+    may_be_otherwise,
+    rows_of,
+    unnamed_columns,
+    words_of,
+)
 
 POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts")
 TEXT_FILES = (".xyz", ".pts", ".txt", ".csv")
 # Of a piece: some 100 MB while it is read.
 PIECE = 1 << 20
 _TEXT_BYTES = 1 << 25
+_BLANK = bytes.maketrans(b",;", b"  ")
 
 # Names of columns, as scanners, CloudCompare and others write them.
 _COLOURS = (
@@ -35,11 +45,6 @@ _COLOURS = (
 _NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
 _INTENSITY = ("intensity", "scalar_intensity", "reflectance", "i")
 _LABELS = ("classification", "class", "label", "scalar_classification", "scalar_label", "semantic")
-# Of text without a line of names, by the number of columns.
-_UNNAMED = {
-    3: "x y z", 4: "x y z intensity", 6: "x y z red green blue",
-    7: "x y z intensity red green blue",
-}  # fmt: skip
 # Of a LAS file: what its authors marked as wrong (ASPRS LAS 1.4 R15, table 17).
 _NOISE = (7, 18)
 # Of E57 files: unit normals in the scanner's frame, by the extension E57_EXT_surface_normals
@@ -81,6 +86,7 @@ class PointFile:
     unit: str = ""  # what the file says of it
     scanners: list[Floats] = field(default_factory=list)  # (3,) each, in the file's unit
     left_out: dict[str, int] = field(default_factory=dict)  # by reason
+    doubt: str = ""  # what may have been meant otherwise, in words
 
 
 def is_point_file(path: str) -> bool:
@@ -182,50 +188,53 @@ def expect_all(path: str, expected: int, found: int) -> None:
 def _open_text(path: str) -> PointFile:
     with open(path, "rb") as file:
         first = file.read(1 << 16).splitlines()
-    begin, names = 0, ""
-    for line in first:
+    # Decimal commas, where columns are separated by something else.
+    blank = bytes.maketrans(b",;", b". " if has_decimal_commas(first) else b"  ")
+    begin, names, unnamed, doubt = 0, "", "", ""
+    for k, line in enumerate(first):
         # Comments, and the number of points with which .pts files begin, are passed over.
-        words = _words(line.lstrip(b"#/ "))
+        words = words_of(line.lstrip(b"#/ "), blank)
         if words[:1] in (["x"], ["X"]):
             names = " ".join(words).lower()
         elif len(words) > 1 and not line.lstrip().startswith((b"#", b"/")):
-            if not _is_number(words[0]):
+            if not is_number(words[0]):
                 names, begin = " ".join(words).lower(), begin + len(line) + 1
             elif len(words) != len(names.split()):
-                names = _UNNAMED.get(len(words), "")
+                some = rows_of(first[k:], blank, len(words))
+                is_pts = path.lower().endswith(".pts")
+                names = unnamed = unnamed_columns(some, is_pts)
+                if may_be_otherwise(some, is_pts):
+                    doubt = f"its columns have no names and are read as {names}; name them in its "
+                    doubt += (
+                        "first line, as by # x y z red green blue intensity, if they are others"
+                    )
             break
         begin += len(line) + 1
     columns = names.split()
     if not {"x", "y", "z"} <= set(columns):
         raise Error(
             f"{path}: expected columns x, y and z named in the first line, or "
-            f"{', '.join(map(str, _UNNAMED))} of them ({'; '.join(_UNNAMED.values())})"
+            f"{', '.join(map(str, BY_NUMBER))} of them ({'; '.join(BY_NUMBER.values())})"
         )
 
     def pieces() -> Iterator[Piece]:
-        for table in text_tables(path, begin, len(columns)):
+        for table in text_tables(path, begin, len(columns), blank=blank):
             yield _piece(path, dict(zip(columns, table.T)))
 
-    return PointFile(path, "text", None, pieces, (1.0, 255.0, 65535.0))
-
-
-def _words(line: bytes) -> list[str]:
-    text = line.decode("utf-8", "replace").replace(",", " ").replace(";", " ")
-    return text.replace('"', " ").split()
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+    kind = f"text, read as {unnamed}" if unnamed else "text"
+    return PointFile(path, kind, None, pieces, (1.0, 255.0, 65535.0), doubt=doubt)
 
 
 def text_tables(
-    path: str, begin: int, columns: int, skipped: int = 0, most: int | None = None
+    path: str,
+    begin: int,
+    columns: int,
+    skipped: int = 0,
+    most: int | None = None,
+    blank: bytes = _BLANK,
 ) -> Iterator[Floats]:
-    """(n, columns) after some lines that are skipped; at most so many rows in all."""
+    """(n, columns) after some lines that are skipped; at most so many rows in all. `blank`: the
+    table by which separators become blanks."""
     with open(path, "rb") as file, warnings.catch_warnings():
         warnings.simplefilter("error")  # what is no number ends NumPy's reading with a warning
         file.seek(begin)
@@ -238,7 +247,7 @@ def text_tables(
                 return
             if most is not None:
                 lines = lines[: most - rows]
-            text = b" ".join(lines).translate(bytes.maketrans(b",;", b"  ")).decode("latin-1")
+            text = b" ".join(lines).translate(blank).decode("latin-1")
             try:
                 numbers = np.fromstring(text, np.float64, sep=" ")
             except (DeprecationWarning, ValueError):

@@ -244,6 +244,8 @@ def read_points(sieve: Sieve, progress: Progress | None = None) -> tuple[PointCl
         for reason, count in {"not finite": sieve.not_finite, **file.left_out}.items()
         if count
     ]
+    if file.doubt:
+        told.append(file.doubt)
     colors = columns.get("colors")
     if colors is not None and not colors.any():
         told.append("all its colours are black, which is taken as having none")
