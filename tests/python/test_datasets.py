@@ -464,6 +464,40 @@ def test_views_in_any_order(made):
         datasets.open_views(made[1], ["respose"])
 
 
+def test_views_by_a_mask(made):
+    data = xarray.open_zarr(made[1])
+    views = datasets.open_views(made[1], ["response", "pose"])
+    mask = data.pose.values % 3 == 1
+    for one in (mask, mask.tolist()):
+        np.testing.assert_array_equal(views[one]["pose"], data.pose[mask])
+        np.testing.assert_array_equal(views[one]["response"], data.response[mask])
+    assert views[~(mask | ~mask)]["response"].shape == (0, *data.response.shape[1:])
+    np.testing.assert_array_equal(views[[-1, 0]]["pose"], [9, 0])
+    assert views[np.array(4)]["pose"] == 4
+
+
+@pytest.mark.parametrize(
+    ("index", "kind", "said"),
+    [
+        ([True, False], omma.Error, r"index, a mask: expected shape \(10,\), found \(2,\)"),
+        ([1.7], omma.Error, "index: expected whole numbers, found"),
+        ([[1], [2, 3]], omma.Error, "index: expected numbers, found rows of different lengths"),
+        ([[1, 2]], omma.Error, r"index: expected shape \(N,\), found \(1, 2\)"),
+        (["response"], omma.Error, "index: expected numbers, found"),
+        (1.7, TypeError, "index: expected a whole number, indices or a mask .*, found float 1.7"),
+        (True, TypeError, "found bool True"),
+        (np.array(True), TypeError, "found ndarray"),
+        (None, TypeError, "found NoneType"),
+        ("response", TypeError, "found str 'response'"),
+        ([0, -11], IndexError, "index: expected -10 to 9, found -11"),
+    ],
+)
+def test_what_is_no_index_of_views(made, index, kind, said):
+    views = datasets.open_views(made[1], ["pose"])
+    with pytest.raises(kind, match=said):
+        views[index]
+
+
 def test_batches_have_each_view_once(made):
     views = datasets.open_views(made[1], ["pose"])
     orders = [
