@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Error
 from omma.base.arguments import array_of
 
 
