@@ -136,7 +136,7 @@ def test_taking_by_index_and_mask() -> None:
         eye.take([3])
     with pytest.raises(omma.Error, match=r"a mask: expected shape \(3,\), found \(2,\)"):
         eye.take([True, False])
-    with pytest.raises(omma.Error, match="ommatidia: .* beyond the range of int32"):
+    with pytest.raises(omma.Error, match=r"ommatidia: .* beyond the range of int32"):
         eye.take([1 << 32])
 
 

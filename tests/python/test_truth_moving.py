@@ -190,6 +190,15 @@ def test_moves_need_poses_that_are_known(world, path):
         list(renderer.render_iter(POSES[:5], **moves))
 
 
+def test_times_where_nothing_moves_name_what_takes_them(world):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    for call in (renderer.render, renderer.ground_truth):
+        with pytest.raises(omma.Error, match=r"times_s: .* found neither in .* dataset takes time_s"):
+            call(POSES, times_s=TIMES)
+    with pytest.raises(TypeError, match="'time_s'; did you mean 'times_s'"):
+        renderer.ground_truth(POSES, time_s=TIMES)
+
+
 def growing_ball(folder, scales, times):
     """A ball 1 m wide, 3 m ahead, whose scale goes through ``scales`` at ``times``."""
     made = Builder()

@@ -129,6 +129,14 @@ class Moves:
         self._times: NDArray[np.float64] | None = None
         if times is not None:
             self._times = array_of(times, "times_s", (poses,))
+            moving = instances is not None or len(world.scene.animations) > 0
+            if not moving and impulse_response is None:
+                raise Error(
+                    "times_s: expected instances and transforms or a scene with an animation, "
+                    f"found neither in {world.scene.path or 'the scene'}; of a world that stands "
+                    "still dataset takes time_s=times_s, and ground_truth "
+                    "head_velocity=omma.velocities_from_poses(poses, times_s)"
+                )
         elif animation is not None:
             raise Error("animation: is for times_s, found None of these")
         if impulse_response is not None and self._times is None:
