@@ -225,6 +225,13 @@ class Moves:
         assert self._times is not None
         return velocities_from_poses(self._poses, self._times)
 
+    def things(self) -> tuple[list[str], NDArray[np.int32], NDArray[np.float64]]:
+        """What ``transforms`` move: names, indices (K,) in `World.instances`, and where they are,
+        (P, K, 4, 4)."""
+        instances = self._world.instances if len(self._instances) else ()
+        names = [instances[thing].name for thing in self._instances]
+        return names, self._instances, self._transforms
+
     def velocities(self, told: Collection[int]) -> dict[int, tuple[Any, Any]]:
         """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.
 
