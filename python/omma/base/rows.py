@@ -25,8 +25,9 @@ def row_of(value: Any, name: str, count: int) -> int:
         IndexError: there is no such row.
     """
     try:
-        # Python takes True for 1.
-        number = operator.index("" if isinstance(value, (bool, np.bool_)) else value)
+        if isinstance(value, (bool, np.bool_)):  # which Python takes for 0 and 1
+            raise TypeError
+        number = operator.index(value)
     except TypeError:
         raise TypeError(
             f"{name}: expected a whole number, indices or a mask ({count},), found "

@@ -123,7 +123,10 @@ def _labelled(
     values = {
         "response": frames.responses, "standard_error": frames.standard_error, "rays": frames.rays
     }  # fmt: skip
-    return dataset_of(labels, values).assign(_things(moves, "pose" if times is None else "time"))
+    data = dataset_of(labels, values)
+    things = _things(moves, "pose" if times is None else "time")
+    with_things: xarray.Dataset = data.assign(things) if things else data
+    return with_things
 
 
 def _things(moves: Moves, first: str) -> Variables:
