@@ -138,6 +138,8 @@ def test_data_sets_along_a_track(files):
     assert len(made) == 21
     linear, _ = omma.velocities_from_poses(made, track.times_s)
     np.testing.assert_allclose(data.head_velocity, linear, atol=1e-9)
+    np.testing.assert_array_equal(data.time, track.times_s)
+    assert (data.walk == 0).all()
 
 
 def test_a_closed_loop_on_the_ground():
