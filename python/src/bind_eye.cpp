@@ -182,10 +182,10 @@ void bind_eye(nb::module_& m) {
           },
           nb::sig("def replace(self, **changes: typing.Any) -> Eye"),
           "A copy with these properties changed, named as for making an eye; all else is kept.\n\n"
-          "acceptance_angle_rad alone makes all ommatidia round Gaussians. New axes without up have\n"
-          "the up vectors of a new eye where those that were there are; others are kept, across the\n"
-          "new axes. up=eye.up keeps them always. Raises `omma.Error` or `TypeError` as making an\n"
-          "eye does.")
+          "acceptance_angle_rad alone makes all ommatidia round Gaussians. New axes without up\n"
+          "have the up vectors of a new eye, unless others had been set: those are kept, across\n"
+          "the new axes, and up=eye.up keeps them always. Raises `omma.Error` or `TypeError` as\n"
+          "making an eye does.")
       .def_prop_ro(
           "path", [](const Eye& e) { return path_object(e.path); },
           nb::sig("def path(self, /) -> str"), "The file it came from, '' for one made in memory.");
