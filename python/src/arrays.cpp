@@ -2,6 +2,7 @@
 #include "arrays.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "omma/error.h"
 
@@ -33,7 +34,10 @@ InputArray<T> to_array(nb::handle object, const char* name, const char* dtype,
     if (!nb::cast<bool>(numpy.attr("can_cast")(array.attr("dtype"), dtype, "same_kind")))
       throw Error(expected + ", found " + str_of(array.attr("dtype")) +
                   " values that do not convert to " + dtype);
+    const nb::object given = array;
     array = numpy.attr("asarray")(array, dtype, "C");
+    if (std::is_integral_v<T> && !nb::cast<bool>(numpy.attr("array_equal")(given, array)))
+      throw Error(expected + ", found some beyond the range of " + dtype);
   } catch (nb::python_error& error) {
     if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
     throw Error(expected + ", found " + type_name_of(object));

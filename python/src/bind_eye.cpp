@@ -90,8 +90,13 @@ nb::object right_of(const Eye& eye) {
 Eye take_rows(const Eye& eye, nb::handle ommatidia) {
   const nb::module_ numpy = nb::module_::import_("numpy");
   nb::object indices = numpy.attr("asarray")(ommatidia);
-  if (nb::cast<std::string>(indices.attr("dtype").attr("kind")) == "b")
+  if (nb::cast<std::string>(indices.attr("dtype").attr("kind")) == "b") {
+    const nb::object shape = indices.attr("shape");
+    if (!shape.equal(nb::make_tuple(eye.size())))
+      throw Error("ommatidia, a mask: expected shape (" + std::to_string(eye.size()) +
+                  ",), found " + str_of(shape));
     indices = numpy.attr("flatnonzero")(indices);
+  }
   const auto array = int_array(indices, "ommatidia", {-1});
   return take_ommatidia(eye, std::vector<std::int64_t>(array.data(), array.data() + array.size()));
 }
@@ -177,8 +182,10 @@ void bind_eye(nb::module_& m) {
           },
           nb::sig("def replace(self, **changes: typing.Any) -> Eye"),
           "A copy with these properties changed, named as for making an eye; all else is kept.\n\n"
-          "acceptance_angle_rad alone makes all ommatidia round Gaussians. Raises `omma.Error` or\n"
-          "`TypeError` as making an eye does.")
+          "acceptance_angle_rad alone makes all ommatidia round Gaussians. New axes without up\n"
+          "have the up vectors of a new eye, unless others had been set: those are kept, across\n"
+          "the new axes, and up=eye.up keeps them always. Raises `omma.Error` or `TypeError` as\n"
+          "making an eye does.")
       .def_prop_ro(
           "path", [](const Eye& e) { return path_object(e.path); },
           nb::sig("def path(self, /) -> str"), "The file it came from, '' for one made in memory.");

@@ -5,6 +5,7 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -172,6 +173,18 @@ std::vector<EyeColumn> columns(nb::handle value, std::int64_t count) {
   return all;
 }
 
+// Whether no up vector has been set: all are what an eye with these axes has by itself.
+bool has_default_up(const Eye& eye) {
+  constexpr float rounding = 1e-6f;  // of unit vectors in single precision, that files keep too
+  for (std::size_t i = 0; i < eye.size(); ++i) {
+    const Vec3 up = eye.up[i], expected = default_up(eye.axis[i]);
+    if (std::fabs(up.x - expected.x) > rounding || std::fabs(up.y - expected.y) > rounding ||
+        std::fabs(up.z - expected.z) > rounding)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void change_eye(Eye& eye, const nb::kwargs& changes) {
@@ -187,7 +200,9 @@ void change_eye(Eye& eye, const nb::kwargs& changes) {
     if (!eye.axis.empty() && axis.size() != eye.size())
       throw Error("axis: expected shape (" + std::to_string(eye.size()) + ", 3), found (" +
                   std::to_string(axis.size()) + ", 3)");
+    const bool follows = has_default_up(eye);
     eye.axis = std::move(axis);
+    if (follows) eye.up.clear();  // made anew when the eye is validated
   }
   const auto count = static_cast<std::int64_t>(eye.size());
   if (given("position_m"))

@@ -424,6 +424,14 @@ def test_flow_along_walks_and_paths(tmp_path):
         np.testing.assert_allclose(data.head_velocity[some], linear, atol=1e-9)
         np.testing.assert_allclose(data.head_turn[some], angular, atol=1e-9)
     np.testing.assert_allclose(data.head_velocity[10:], [[0, 0.2, 0]] * 6, atol=1e-9)
+    # Which pose comes after which, and when.
+    assert data.walk.values.tolist() == [0] * 5 + [1] * 5 + [0] * 6
+    expected = [*np.arange(5) * 0.02] * 2 + [*np.arange(6) * 0.5]
+    np.testing.assert_array_equal(data.time, expected)
+    assert data.time.attrs["units"] == "s"
+    views = datasets.open_views(tmp_path / "job.zarr", ["walk", "time"])
+    second = views[views[:]["walk"] == 1]
+    np.testing.assert_array_equal(second["time"], np.arange(5) * 0.02)
     # 20 degrees a second to the right.
     np.testing.assert_allclose(np.degrees(data.head_turn[10:]), [[0, -20, 0]] * 6, atol=1e-6)
 
@@ -449,6 +457,20 @@ def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
     np.testing.assert_array_equal(data.response, seen)
 
 
+def test_poses_that_stand_alone_have_no_walk(made, tmp_path):
+    assert not {"walk", "time"} & set(xarray.open_zarr(made[1]).variables)
+    (tmp_path / "path.csv").write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,2,0,0,0,0\n0,3,0,0,0,0")
+    poses = (
+        '[[poses]]\nsampler = "path"\nfile = "path.csv"\n'
+        '[[poses]]\nsampler = "uniform"\nlow_m = [-1, 1, -1]\nhigh_m = [1, 2, 1]\ncount = 2\n'
+        '[[poses]]\nname = "timed"\nsampler = "path"\nfile = "path.csv"\nstep_s = 0.25\n'
+    )
+    datasets.run(write_job(tmp_path, poses=poses))
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    assert data.walk.values.tolist() == [0, 0, -1, -1, 0, 0]
+    np.testing.assert_array_equal(data.time, [np.nan] * 4 + [0, 0.25])
+
+
 def test_views_in_any_order(made):
     data = xarray.open_zarr(made[1]).response.values
     views = datasets.open_views(made[1], ["response", "pose"])
@@ -462,6 +484,40 @@ def test_views_in_any_order(made):
         views[10]
     with pytest.raises(omma.Error, match=r"variables: expected one of .*'respose'"):
         datasets.open_views(made[1], ["respose"])
+
+
+def test_views_by_a_mask(made):
+    data = xarray.open_zarr(made[1])
+    views = datasets.open_views(made[1], ["response", "pose"])
+    mask = data.pose.values % 3 == 1
+    for one in (mask, mask.tolist()):
+        np.testing.assert_array_equal(views[one]["pose"], data.pose[mask])
+        np.testing.assert_array_equal(views[one]["response"], data.response[mask])
+    assert views[~(mask | ~mask)]["response"].shape == (0, *data.response.shape[1:])
+    np.testing.assert_array_equal(views[[-1, 0]]["pose"], [9, 0])
+    assert views[np.array(4)]["pose"] == 4
+
+
+@pytest.mark.parametrize(
+    ("index", "kind", "said"),
+    [
+        ([True, False], omma.Error, r"index, a mask: expected shape \(10,\), found \(2,\)"),
+        ([1.7], omma.Error, "index: expected whole numbers, found"),
+        ([[1], [2, 3]], omma.Error, "index: expected numbers, found rows of different lengths"),
+        ([[1, 2]], omma.Error, r"index: expected shape \(N,\), found \(1, 2\)"),
+        (["response"], omma.Error, "index: expected numbers, found"),
+        (1.7, TypeError, "index: expected a whole number, indices or a mask .*, found float 1.7"),
+        (True, TypeError, "found bool True"),
+        (np.array(True), TypeError, "found ndarray"),
+        (None, TypeError, "found NoneType"),
+        ("response", TypeError, "found str 'response'"),
+        ([0, -11], IndexError, "index: expected -10 to 9, found -11"),
+    ],
+)
+def test_what_is_no_index_of_views(made, index, kind, said):
+    views = datasets.open_views(made[1], ["pose"])
+    with pytest.raises(kind, match=said):
+        views[index]
 
 
 def test_batches_have_each_view_once(made):

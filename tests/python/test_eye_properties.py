@@ -95,6 +95,38 @@ def test_what_is_replaced_changes_alone() -> None:
     np.testing.assert_array_equal(eye.replace(up=None).up[0], [0, 1, 0])
 
 
+def test_new_axes_have_the_up_of_a_new_eye() -> None:
+    """Unless one has been set: it is what flow and motion are told in, right and up."""
+    eye = omma.eye.generate_eye(200)
+    axes = np.roll(eye.axis, 7, axis=0)
+    moved = eye.replace(axis=axes)
+    np.testing.assert_array_equal(moved.up, np.roll(eye.up, 7, axis=0))
+    new = omma.Eye(eye.position_m, axes, eye.acceptance_angle_rad)
+    np.testing.assert_array_equal(moved.up, new.up)
+    # It comes back to the axes that it had, after any number of changes.
+    np.testing.assert_array_equal(moved.replace(axis=eye.axis).up, eye.up)
+    # A turning drum's flow is that of the new eye.
+    world = omma.World(omma.scene.drum(1.0, 4.0, np.ones((4, 4, 3), np.float32)))
+    flows = [
+        omma.Renderer(world, one, omma.Fixed(4))
+        .ground_truth(np.eye(4), head_velocity=((0, 0, 0), (0, -1, 0)))
+        .flow_rad_s
+        for one in (moved, new)
+    ]
+    np.testing.assert_array_equal(*flows)
+
+
+def test_an_up_that_was_set_is_kept_across_new_axes() -> None:
+    eye = omma.eye.generate_eye(50)
+    tilted = eye.replace(up=eye.up + 0.1 * eye.right)
+    axes = eye.axis + 0.05 * eye.right
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    for one in (tilted.replace(axis=axes), eye.replace(axis=axes, up=tilted.up)):
+        across = tilted.up - np.sum(tilted.up * axes, axis=1, keepdims=True) * axes
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        np.testing.assert_allclose(one.up, across, atol=1e-6)  # single precision
+
+
 def test_taking_by_index_and_mask() -> None:
     eye = full_eye()
     same(eye.take([2, 0]), eye.take([0, 2]).take([1, 0]))
@@ -102,6 +134,10 @@ def test_taking_by_index_and_mask() -> None:
     assert eye.select(1).columns["region"] == ["ç"]
     with pytest.raises(omma.Error, match="expected ommatidia from 0 to 2, found 3"):
         eye.take([3])
+    with pytest.raises(omma.Error, match=r"a mask: expected shape \(3,\), found \(2,\)"):
+        eye.take([True, False])
+    with pytest.raises(omma.Error, match=r"ommatidia: .* beyond the range of int32"):
+        eye.take([1 << 32])
 
 
 def test_merging_keeps_all() -> None:

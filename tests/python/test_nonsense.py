@@ -80,5 +80,5 @@ def test_functions_are_what_they_were(tmp_path, eye):
     assert pickle.loads(pickle.dumps(omma.eye.measure_eye)) is omma.eye.measure_eye
     with pytest.raises(TypeError, match="missing a required argument"):
         omma.save_eye(tmp_path / "a.eye")
-    with pytest.raises(TypeError, match="unexpected keyword argument 'units'"):
+    with pytest.raises(TypeError, match="unexpected keyword argument 'units'; did you mean 'unit'"):
         omma.save_eye(tmp_path / "a.eye", eye, units="mm")

@@ -107,6 +107,7 @@ def test_wrong_out(renderer, flight):
         (np.zeros((2, 4, 3)), r"found shape \(2, 4, 3\)"),
         (np.full((4, 4), np.nan), "pose 0"),
         (omma.look_at((1, 2, 3), (0, 0, 0)).T, "last row.*translation belongs"),
+        (np.full((4, 4), np.nan), "^poses: pose 0 is not finite, its last row is"),
         (np.diag([0.0, 1, 1, 1]), "invertible"),
         (np.diag([np.inf, 1, 1, 1]), "finite"),
         ("nobody", "nobody"),

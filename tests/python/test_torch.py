@@ -168,8 +168,11 @@ def test_one_render_by_its_index(walker):
     expected = walker.render(POSES)
     for index in (0, 5, -1):
         np.testing.assert_array_equal(data[index]["response"].numpy(), expected[index])
-    with pytest.raises(IndexError, match="17 poses, found 17"):
+    with pytest.raises(IndexError, match="expected -17 to 16, found 17"):
         data[17]
+    for wrong in (1.7, True, "response"):
+        with pytest.raises(TypeError, match=r"index: expected .* a mask \(17,\)"):
+            data[wrong]
 
 
 def test_new_noise_goes_by_the_number_of_a_pose(walker):

@@ -2,6 +2,7 @@
 worlds that are moved by hand, and optic flow beside differences of places."""
 
 import dataclasses
+import warnings
 
 import numpy as np
 import pytest
@@ -187,3 +188,78 @@ def test_moves_need_poses_that_are_known(world, path):
         list(renderer.render_iter((pose for pose in POSES), **moves))
     with pytest.raises(omma.Error, match=r"transforms: expected shape \(5, 2, 4, 4\)"):
         list(renderer.render_iter(POSES[:5], **moves))
+
+
+def test_times_where_nothing_moves_name_what_takes_them(world):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    for call in (renderer.render, renderer.ground_truth):
+        with pytest.raises(omma.Error, match=r"times_s: .* found neither.* dataset takes time_s"):
+            call(POSES, times_s=TIMES)
+    with pytest.raises(TypeError, match="'time_s'; did you mean 'times_s'"):
+        renderer.ground_truth(POSES, time_s=TIMES)
+
+
+def growing_ball(folder, scales, times):
+    """A ball 1 m wide, 3 m ahead, whose scale goes through ``scales`` at ``times``."""
+    made = Builder()
+    mesh = made.mesh(*cube(0.5)[::2])
+    node = made.node(mesh=mesh, name="grower", translation=[0, 0, -3])
+    made.animation([(node, "scale", times, scales, "LINEAR")], "grow")
+    return omma.load_scene(made.write(folder / "grow.gltf"))
+
+
+def test_what_grows_is_told_of(world, path):
+    """Its flow is 0, as velocities are how things go and turn; that is not silent."""
+    renderer = omma.Renderer(world, omma.eye.generate_eye(40), omma.Fixed(4))
+    still = np.tile(POSES[:1], (6, 1, 1))
+    grown = np.tile(path[:1], (6, 1, 1, 1))
+    grown[:, 0, :3, :3] *= np.linspace(1, 1.5, 6)[:, None, None]
+    moves = {"instances": ["ball", "post"], "times_s": TIMES}
+    with pytest.warns(UserWarning, match="optic flow: 'ball' changes size or shape"):
+        truth = renderer.ground_truth(still, transforms=grown, **moves)
+    assert not truth.flow_objects_rad_s.any()
+    grown[:, 1, 0, 0] *= np.linspace(1, 2, 6)
+    with pytest.warns(UserWarning, match="optic flow: 'ball', 'post' change size"):
+        renderer.ground_truth(still, transforms=grown, **moves)
+    told = {name: VELOCITY for name in ("ball", "post")}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        renderer.ground_truth(still, transforms=grown, velocities=told, **moves)
+        # What goes and turns does not, nor what mirrors or is of another shape all along.
+        bent = path @ np.diag([-2, 1, 0.5, 1])
+        for given in (path, bent, bent.astype(np.float32), path.round(6)):
+            renderer.ground_truth(POSES, transforms=given, **moves)
+
+
+@pytest.mark.parametrize(("rate", "grows"), [(1.0, True), (0.02, True), (0.0, False)])
+def test_an_animation_that_grows_is_told_of(tmp_path, rate, grows):
+    keys = np.linspace(0, 1, 11)
+    scales = np.outer(0.7 + rate * keys, np.ones(3))
+    world = omma.World(growing_ball(tmp_path, scales, keys), backend="portable")
+    renderer = omma.Renderer(world, omma.eye.generate_eye(40), omma.Fixed(4))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        renderer.ground_truth(np.eye(4), head_velocity=VELOCITY, times_s=[0.37])
+    assert [f"{one.message}"[:29] for one in told] == ["optic flow: 'grower' changes "] * grows
+
+
+def test_datasets_say_where_things_were(world, path, tmp_path):
+    xarray = pytest.importorskip("xarray", reason="needs xarray: pip install 'omma[data]'")
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    moves = {"instances": ["ball", "post"], "transforms": path}
+    truth = renderer.ground_truth(POSES, **moves)
+    timed = renderer.dataset(POSES, time_s=TIMES, **moves)
+    for data, first in (
+        (renderer.dataset(POSES, **moves), "pose"),
+        (renderer.dataset(POSES, truth=truth, **moves), "pose"),
+        (timed, "time"),
+    ):
+        assert data.world_from_thing.dims == (first, "thing", "row", "column")
+        assert data.thing.values.tolist() == ["ball", "post"]
+        assert data.instance_index.values.tolist() == [1, 2]
+        assert np.array_equal(data.world_from_thing, path)
+        assert np.array_equal(data.sel(thing="post").world_from_thing, path[:, 1])
+    timed.to_netcdf(tmp_path / "moved.nc")
+    with xarray.open_dataset(tmp_path / "moved.nc") as kept:
+        assert np.array_equal(kept.world_from_thing, path)
+    assert "thing" not in renderer.dataset(POSES).dims

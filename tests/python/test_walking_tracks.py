@@ -101,6 +101,27 @@ def test_renders_along_a_track(files, run_omma):
             omma.render_file(scene, files / "no.npy", eyes=eye, **asked)
 
 
+@pytest.mark.parametrize("suffix", [".zarr", ".nc", ".parquet", ".npy"])
+def test_times_of_a_track_are_kept(files, suffix):
+    for package in ("xarray", "zarr", "h5netcdf", "pyarrow"):
+        pytest.importorskip(package)
+    (files / "timed.csv").write_text("t_s,x_m,z_m\n0,0,0\n0.25,0.5,-0.5\n1,1,-0.5\n")
+    output, again = files / f"walk{suffix}", files / f"again{suffix}"
+    scene, eye, track = (files / name for name in ("hill.glb", "ant.eye", "timed.csv"))
+    omma.render_file(scene, output, eyes=eye, path=track, on_ground=0.003)
+    data = omma.rendering.load_responses(output)
+    assert data.response.dims == ("time", "ommatidium", "band")
+    assert data.time.values.tolist() == [0, 0.25, 1]
+    poses = walk_on(omma.load_scene(scene), load_track(track), height_m=0.003)
+    np.testing.assert_array_equal(data.world_from_head, poses)
+    omma.job.render_like(output, again)
+    same = omma.rendering.load_responses(again)
+    np.testing.assert_array_equal(same.response, data.response)
+    np.testing.assert_array_equal(same.time, data.time)
+    omma.render_file(scene, output, eyes=eye, path=files / "track.csv", on_ground=0.003)
+    assert omma.rendering.load_responses(output).response.dims[0] == "pose"
+
+
 def test_data_sets_along_a_track(files):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("zarr")
@@ -117,6 +138,8 @@ def test_data_sets_along_a_track(files):
     assert len(made) == 21
     linear, _ = omma.velocities_from_poses(made, track.times_s)
     np.testing.assert_allclose(data.head_velocity, linear, atol=1e-9)
+    np.testing.assert_array_equal(data.time, track.times_s)
+    assert (data.walk == 0).all()
 
 
 def test_a_closed_loop_on_the_ground():

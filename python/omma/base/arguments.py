@@ -336,7 +336,11 @@ def checked(function: F) -> F:
         try:
             given = signature.bind(*arguments, **named).arguments
         except TypeError as error:  # which does not say of what
-            raise TypeError(f"{function.__qualname__}: {error}") from None
+            known_names = list(signature.parameters)
+            unknown = next((name for name in named if name not in known_names), "")
+            alike = difflib.get_close_matches(unknown, known_names, 1)
+            hint = f"; did you mean {alike[0]!r}?" if alike else ""
+            raise TypeError(f"{function.__qualname__}: {error}{hint}") from None
         for name, kinds in known().items():
             if name in given and not any(fits(given[name]) for fits, _ in kinds):
                 value = given[name]

@@ -201,6 +201,8 @@ def as_poses(poses: Any, first: int = 0) -> Matrices:
     bad = np.flatnonzero((matrices[:, 3] != (0, 0, 0, 1)).any(axis=1))
     if bad.size:
         found = matrices[bad[0], 3].tolist()
+        if not np.isfinite(found).all():
+            raise Error(f"poses: pose {first + bad[0]} is not finite, its last row is {found}")
         raise Error(
             f"poses: pose {first + bad[0]} has the last row {found}, expected [0, 0, 0, 1] "
             "(the translation belongs into the last column)"

@@ -19,7 +19,8 @@ def velocities_from_poses(
     In the world's frame, the angular one right-handed about its vector. Between two poses the frame
     goes straight and turns evenly (slerp), by the shorter way; at a pose the velocity is that
     before and that after it, each weighted by the time of the other, and at the ends the one there
-    is. Poses of things, ``world_from_node``, are as good as poses of heads.
+    is. Poses of things, ``world_from_node``, are as good as poses of heads. How a frame grows or is
+    stretched is not in them.
 
     Args:
         poses: (P, 4, 4), two or more, or (positions (P, 3), quaternions (P, 4)).
@@ -60,6 +61,14 @@ def velocities_between(
     linear = (after[:, :3, 3] - before[:, :3, 3]) / step_s
     turns = _rotation_vectors(_nearest_turns(before), _nearest_turns(after))
     return linear, turns / step_s
+
+
+def is_stretched(matrices: Matrices, tolerance: float = 1e-5) -> bool:
+    """Whether frames (P, 4, 4) change their size or shape on their way, by more than a share of it:
+    the default is what matrices of six digits leave."""
+    stretch = np.swapaxes(_nearest_turns(matrices), 1, 2) @ matrices[:, :3, :3]
+    size = np.abs(stretch).max(initial=0)
+    return bool((np.abs(stretch - stretch[:1]) > tolerance * size).any())
 
 
 def _nearest_turns(matrices: Matrices) -> NDArray[np.float64]:

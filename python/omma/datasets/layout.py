@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from omma._core import Eye
 from omma.datasets.job_file import Job
 from omma.datasets.plan import Plan
+from omma.datasets.samplers import times_of, walks_of
 from omma.datasets.shard_bytes import COMPRESSION, chunk_bytes, shard_bytes
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
@@ -151,7 +152,8 @@ def view_bytes(layouts: Mapping[str, Layout]) -> tuple[int, int]:
 
 def view_coordinates(job: Job, plan: Plan) -> dict[str, Any]:
     """Which scene, condition and set of poses each view is of, as (dimensions, values, attributes);
-    the attributes say the names, as the CF conventions have it (3.5)."""
+    the attributes say the names, as the CF conventions have it (3.5). Where poses follow one
+    another, also of which walk it is and when."""
     columns = np.empty((4, plan.views), np.int32)
     for block in plan.blocks:
         views = slice(block.first, block.first + block.count)
@@ -164,6 +166,14 @@ def view_coordinates(job: Job, plan: Plan) -> dict[str, Any]:
         about = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(names)}
         found[name] = ((VIEW,), values, about)
     found["pose"] = ((VIEW,), columns[3], {"long_name": "number of the pose in its set"})
+    walks = np.concatenate([walks_of(job.poses[block.poses]) for block in plan.blocks])
+    times_s = np.concatenate([times_of(job.poses[block.poses]) for block in plan.blocks])
+    if (walks >= 0).any():
+        about_walks = {"long_name": "number of the walk in its set, -1 where there is none"}
+        found["walk"] = ((VIEW,), walks, about_walks)
+    if np.isfinite(times_s).any():
+        about_times = {"units": "s", "long_name": "since the walk began, or as its track says"}
+        found["time"] = ((VIEW,), times_s, about_times)
     return found
 
 

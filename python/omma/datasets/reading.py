@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import checked, one_of, whole
 from omma.base.files import PathLike, reading
+from omma.base.rows import is_one, row_of, rows_of
 from omma.base.values import value_class
 from omma.datasets.layout import VIEW
 from omma.datasets.records import open_store, read_manifest, read_record, shards_done
@@ -32,7 +33,8 @@ class Views:
     """The views of one eye in a data set that are there: a sequence, read in any order.
 
     `open_views` makes it. ``views[k]`` is a dictionary of arrays, one view of each variable;
-    ``views[[5, 2, 9]]`` or ``views[10:20]`` of several, in that order, read together.
+    ``views[[5, 2, 9]]`` or ``views[10:20]`` of several, in that order, read together;
+    ``views[mask]`` of those where a mask (V,) of bool is True.
 
     It is picklable; each process opens the store for itself.
     """
@@ -47,15 +49,20 @@ class Views:
         return len(self.numbers)
 
     def __getitem__(self, index: int | slice | ArrayLike) -> Batch:
-        """Views by their index in ``numbers``.
+        """Views by their index in ``numbers``, below 0 from the end, or by a mask.
 
         Raises:
             IndexError: there is no such view.
+            omma.Error: a mask of another length, indices that are no whole numbers.
+            TypeError: no index at all, as a variable's name or True.
         """
+        found: Any
         if isinstance(index, slice):
             found = self.numbers[index]
+        elif is_one(index):
+            found = self.numbers[row_of(index, "index", len(self))]
         else:
-            found = self.numbers[np.asarray(index, dtype=np.int64)]
+            found = self.numbers[rows_of(index, "index", len(self))]
         with reading(self.store, "a Zarr store"):
             return self._read(found)
 

@@ -134,6 +134,26 @@ def track_of(file: str, step_s: float) -> Track:
     return track.every(step_s) if step_s and track.times_s is not None else track
 
 
+def walks_of(poses: PoseSet) -> NDArray[np.int32]:
+    """Which walk of its set each pose is of, (P,); -1 where poses do not follow one another."""
+    if poses.is_walk:
+        return (np.arange(poses.count) // poses.steps).astype(np.int32)
+    return np.full(poses.count, 0 if poses.sampler == "path" else -1, np.int32)
+
+
+def times_of(poses: PoseSet) -> Floats:
+    """When each pose is, (P,), s from the begin of its walk, of tracks as their file says; NaN
+    where that is not told."""
+    if poses.sampler == "track":
+        times_s = track_of(poses.file, poses.step_s).times_s
+        if times_s is not None:
+            return times_s
+    if poses.step_s == 0:
+        return np.full(poses.count, np.nan)
+    steps = np.arange(poses.count) % (poses.steps or poses.count)
+    return np.asarray(steps * poses.step_s, np.float64)
+
+
 def _read_track(table: Table, folder: Path) -> dict[str, Any]:
     """What a table [[poses]] says of a track."""
     file = str(folder / table.take("file", a_text))

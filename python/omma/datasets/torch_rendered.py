@@ -14,6 +14,7 @@ from torch.utils.data import Dataset, IterableDataset
 from omma._core import Error
 from omma.base.arguments import array_of
 from omma.base.poses import Matrices, as_poses
+from omma.base.rows import row_of, rows_of
 from omma.datasets.torch_views import shared_work, tensors
 from omma.rendering.renderer import Renderer
 
@@ -60,14 +61,12 @@ class Renders(Dataset):  # type: ignore[misc,unused-ignore]
         return len(self._poses)
 
     def __getitem__(self, index: int) -> Tensors:
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"index: expected one of {len(self)} poses, found {index}")
-        return self.__getitems__([index % len(self)])[0]
+        return self.__getitems__([row_of(index, "index", len(self))])[0]
 
     def __getitems__(self, indices: list[int]) -> list[Tensors]:
         """What loaders ask for a batch: rendered in one call, but where noise goes by the number of
         a pose."""
-        which = np.asarray(indices, np.int64)
+        which = rows_of(indices, "indices", len(self))
         poses = np.ascontiguousarray(self._poses[which])
         if self._is_noise_new:
             each = [self._seen.at(pose[None], int(k)) for pose, k in zip(poses, which)]

@@ -83,6 +83,8 @@ def render_like(
     check_cameras(said)
     with reading(name, "responses"):
         poses = data.world_from_head.values
+        # Of a track with times.
+        times_s = data.time.values if "time" in data.world_from_head.dims else None
     version = said.take("omma_version", is_text)
     backend = said.take("backend", is_text)
     try:
@@ -112,7 +114,7 @@ def render_like(
         ultraviolet=said.take_json("ultraviolet", is_list, None),
         command=command or f"omma.job.render_like({name!r}, ...)",
     )
-    report = run_job(job, progress)
+    report = run_job(job, progress, times_s)
     differs = [
         f"{name} was rendered with {was}, this is {now}: the last bits may differ"
         for was, now in (

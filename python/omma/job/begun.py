@@ -14,13 +14,13 @@ import numpy as np
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import as_named
-from omma.base.files import PathLike
+from omma.base.arrays import Floats
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
 from omma.base.progress import Stage
 from omma.eye.files import load_head
 from omma.job.outputs import output_names
 from omma.job.render_job import RenderJob
-from omma.motion.tracks import load_track
+from omma.motion.tracks import Track, load_track
 from omma.motion.walking import walk_on
 from omma.picture.cameras import camera_eye
 from omma.rendering.settings import fixed_samples
@@ -80,6 +80,8 @@ class View:
     poses: Matrices
     text: str
     """Where the poses come from, in words."""
+    times_s: Floats | None = None
+    """When each pose is, where a track says so."""
 
 
 def begin(job: RenderJob, tell: Stage) -> Begun:
@@ -183,24 +185,32 @@ def _as_large(eye: Eye, node: Camera) -> Eye:
     return large
 
 
-def _walked(begun: Begun, path: PathLike, height_m: float) -> Matrices:
+def _walked(begun: Begun, track: Track, height_m: float) -> Matrices:
     """Poses on the ground, in a world without light, as only distances are asked for."""
-    job, track = begun.job, load_track(path)
+    job = begun.job
     world = World(begun.scene, threads=job.threads, backend=job.backend, devices=tuple(job.devices))
     with as_named(height_m="on_ground", instances="ground"):
         return walk_on(world, track, height_m=height_m, on=job.ground_names)
 
 
-def _poses(begun: Begun) -> tuple[Matrices, str]:
-    """Poses (P, 4, 4) and in words where they come from."""
+def _poses(begun: Begun) -> tuple[Matrices, str, Floats | None]:
+    """Poses (P, 4, 4), in words where they come from, and when they are, where that is known."""
+    job = begun.job
+    if job.path is not None and job.on_ground is not None:
+        track = load_track(job.path)
+        text = f"track {os.fsdecode(job.path)}"
+        return _walked(begun, track, job.on_ground), text, track.times_s
+    return *_untimed(begun), None
+
+
+def _untimed(begun: Begun) -> tuple[Matrices, str]:
+    """Poses of which nothing says when they are."""
     job, camera = begun.job, begun.camera
     if job.poses is not None:
         matrices = as_poses(job.poses)
         if not np.isfinite(matrices).all():
             raise Error("poses: expected finite numbers")
         return matrices, "poses that were given"
-    if job.path is not None and job.on_ground is not None:
-        return _walked(begun, job.path, job.on_ground), f"track {os.fsdecode(job.path)}"
     if job.path is not None:
         return load_poses(job.path), f"path {os.fsdecode(job.path)}"
     if job.position is not None and job.look_at is not None:

@@ -15,6 +15,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
+from omma.base.arrays import Floats
 from omma.base.files import PathLike, WholeFiles, left_behind, make_parent
 from omma.base.progress import Stage
 from omma.base.renamed import renamed_arguments
@@ -83,7 +84,8 @@ def render_file(
             ``look_at`` it looks along -Z.
         path: instead, a CSV file of poses, see `load_poses`.
         on_ground: of a head that walks: its height above the ground, m. ``path`` is then a track,
-            see `omma.motion.load_track` and `omma.motion.walk_on`.
+            see `omma.motion.load_track` and `omma.motion.walk_on`. Where that has times, ``t_s``,
+            the first dimension of what says its numbers is ``time``, s, not ``pose``.
         ground: with it, a name or names of instances that are ground; none: everything is.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
@@ -134,8 +136,10 @@ def render_file(
     return run_job(job_of(scene, outputs, sampling, asked), progress)
 
 
-def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
-    """What `render_file` does."""
+def run_job(
+    job: RenderJob, progress: Stage | None = None, times_s: Floats | None = None
+) -> RenderReport:
+    """What `render_file` does; ``times_s`` say when poses that were given are."""
     begun = begin(job, progress if progress is not None else lambda stage, fraction: None)
     camera = begun.camera
     if camera is not None and not job.eye_files and camera.type != "compound":
@@ -169,6 +173,7 @@ def run_job(job: RenderJob, progress: Stage | None = None) -> RenderReport:
         receptors=job.receptors,
         standard_error=job.standard_error,
         with_cameras=begun.cameras is not None,
+        time_s=view.times_s if times_s is None else times_s,
         more=story_of(job, view.files, begun.background, command),
     )
 

@@ -96,7 +96,7 @@ def displace_axes(
     Example:
         >>> eye = omma.eye.generate_eye(100)
         >>> turned = omma.photoreceptors.displace_axes(eye.axis, eye.up, np.full(100, 0.02), 0.0)
-        >>> moved = eye.replace(axis=turned)
+        >>> moved = eye.replace(axis=turned, up=eye.up)
 
     Raises:
         omma.Error: vectors that are not of length 1 or not across each other, angles of another

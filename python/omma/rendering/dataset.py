@@ -17,8 +17,8 @@ from omma.base.optional import needs
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
 from omma.rendering.call import Call, Frames, Poses, Prepared, poses_of
-from omma.rendering.labels import Labels, labels_of
-from omma.rendering.moves import MovesOptions, renderer_method
+from omma.rendering.labels import Labels, Variables, labels_of
+from omma.rendering.moves import Moves, MovesOptions, renderer_method
 from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, truth_variables
@@ -49,7 +49,9 @@ def dataset(
     Coordinates: position (m) and quaternion (x, y, z, w) of the head, azimuth and elevation
     (degrees, in the head), acceptance angle, eye; of receptors also type, peak wavelength (nm)
     and ommatidium.
-    Variables: ``response``, ``standard_error`` where asked for, ``rays`` with `ToError`.
+    Variables: ``response``, ``standard_error`` where asked for, ``rays`` with `ToError`;
+    ``world_from_thing`` (pose, thing, 4, 4) of what ``transforms`` move, by name, with
+    ``instance_index``, that in `World.instances`.
     Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
     scene's files as they are now.
 
@@ -82,14 +84,17 @@ def dataset(
             frames = call.render(
                 call.new_frames(standard_error=standard_error or to_error, rays=to_error)
             )
-        return _labelled(self, call.poses, times, frames, receptors)
+        return _labelled(self, call.poses, times, frames, call.moves, receptors)
     if receptors or standard_error:
         raise Error("truth: not together with receptors or standard_error")
     matrices = poses_of(self, poses)
     times = _times(when, matrices)
     check_truth(truth, (len(matrices), len(self.eye), self.bands))
     frames = Frames(truth.responses, truth.standard_error, truth.rays)
-    data = _labelled(self, matrices, times, frames)
+    moving: MovesOptions = {
+        "instances": moves.get("instances"), "transforms": moves.get("transforms")
+    }  # fmt: skip
+    data = _labelled(self, matrices, times, frames, Moves(self.world, matrices, moving, None))
     first = "pose" if times is None else "time"
     with_truth: xarray.Dataset = data.assign(truth_variables(truth, (first, "ommatidium")))
     return with_truth
@@ -104,6 +109,7 @@ def _labelled(
     matrices: Matrices,
     times: NDArray[np.float64] | None,
     frames: Frames,
+    moves: Moves,
     receptors: bool = False,
 ) -> xarray.Dataset:
     """Frames that were rendered, as labels need poses that the engine has accepted."""
@@ -117,7 +123,23 @@ def _labelled(
     values = {
         "response": frames.responses, "standard_error": frames.standard_error, "rays": frames.rays
     }  # fmt: skip
-    return dataset_of(labels, values)
+    data = dataset_of(labels, values)
+    things = _things(moves, "pose" if times is None else "time")
+    with_things: xarray.Dataset = data.assign(things) if things else data
+    return with_things
+
+
+def _things(moves: Moves, first: str) -> Variables:
+    """Where things were that transforms have moved; nothing where none have."""
+    names, indices, matrices = moves.things()
+    if not names:
+        return {}
+    about = {"long_name": "where each thing that was moved is in the world; lengths in m"}
+    return {
+        "thing": (("thing",), np.array(names, dtype=np.str_), {}),
+        "instance_index": (("thing",), indices, {"long_name": "of the thing among all"}),
+        "world_from_thing": ((first, "thing", "row", "column"), matrices, about),
+    }
 
 
 def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:

@@ -14,7 +14,8 @@ from omma.base.arguments import array_of
 from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
 from omma.base.slips import warn_of_slip
-from omma.base.velocities import velocities_between, velocities_from_poses
+from omma.base.velocities import is_stretched, velocities_between, velocities_from_poses
+from omma.base.warn import warn_caller
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
 from omma.scene.world_moves import (
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 # Before and after a moment: how fast animations move then. Long beside the rounding of key times,
 # float32, and short beside any key.
 _MOMENT_S = 1e-4
+
+# Things that a warning names.
+_MOST_NAMES = 5
 
 # Groups of things that one call can keep from being seen: bits of a ray's mask.
 MOST_UNSEEN = 31
@@ -125,6 +129,14 @@ class Moves:
         self._times: NDArray[np.float64] | None = None
         if times is not None:
             self._times = array_of(times, "times_s", (poses,))
+            moving = instances is not None or len(world.scene.animations) > 0
+            if not moving and impulse_response is None:
+                raise Error(
+                    "times_s: expected instances and transforms or a scene with an animation, "
+                    f"found neither in {world.scene.path or 'the scene'}; of a world that stands "
+                    "still dataset takes time_s=times_s, and ground_truth "
+                    "head_velocity=omma.velocities_from_poses(poses, times_s)"
+                )
         elif animation is not None:
             raise Error("animation: is for times_s, found None of these")
         if impulse_response is not None and self._times is None:
@@ -213,13 +225,21 @@ class Moves:
         assert self._times is not None
         return velocities_from_poses(self._poses, self._times)
 
+    def things(self) -> tuple[list[str], NDArray[np.int32], NDArray[np.float64]]:
+        """What ``transforms`` move: names, indices (K,) in `World.instances`, and where they are,
+        (P, K, 4, 4)."""
+        instances = self._world.instances if len(self._instances) else ()
+        names = [instances[thing].name for thing in self._instances]
+        return names, self._instances, self._transforms
+
     def velocities(self, told: Collection[int]) -> dict[int, tuple[Any, Any]]:
         """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.
 
         Those of ``transforms`` along their path, those of animations about each moment; none where
-        the caller has told them, or there are no times.
+        the caller has told them, or there are no times. Warns of what grows or is stretched.
         """
         found: dict[int, tuple[Any, Any]] = {}
+        stretched: list[int] = []
         if self._times is None:
             return found
         for k, thing in enumerate(self._instances.tolist()):
@@ -232,6 +252,8 @@ class Moves:
                     f"velocities: expected that of instance {thing}, as the path of its transforms "
                     f"does not tell it ({problem})"
                 ) from problem
+            if is_stretched(self._transforms[:, k]):
+                stretched.append(thing)
         animated = [
             (k, thing)
             for k, thing in enumerate(self._world._engine.animated)
@@ -244,6 +266,18 @@ class Moves:
             )
             for k, thing in animated:
                 found[thing] = velocities_between(before[:, k], after[:, k], 2 * _MOMENT_S)
+                # So short a time has little of it, and less of rounding, as keys are exact.
+                if is_stretched(np.concatenate([before[:, k], after[:, k]]), 1e-6):
+                    stretched.append(thing)
+        if stretched:
+            names = [self._world.instances[thing].name for thing in stretched[:_MOST_NAMES]]
+            more = len(stretched) - len(names)
+            warn_caller(
+                f"optic flow: {', '.join(map(repr, names))}{f' and {more} more' if more else ''} "
+                f"{'changes' if len(stretched) == 1 else 'change'} size or shape on the way; only "
+                "how things go and turn is in it, not how they grow or are stretched",
+                UserWarning,
+            )
         return found
 
     def _animated_at(self, time_s: float) -> NDArray[np.float64]:

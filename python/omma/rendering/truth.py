@@ -130,7 +130,7 @@ def ground_truth(
         velocities: of what moves by itself, {name or index in `World.instances`: (linear,
             angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
             With ``times_s``, what ``instances`` and animations move has the velocity at which
-            it does so, unless it is told here.
+            it does so, unless it is told here. How it grows or is stretched is in neither.
         capture_cameras: from which a world made of photographs is known, as
             `omma.scene.load_capture_cameras` reads them: how near they were is told too.
         instances, transforms, times_s, animation, unseen, unseen_by_light: as of `render`.
@@ -139,6 +139,9 @@ def ground_truth(
         omma.Error: what `render` raises, no such instance or one twice, a velocity of another
             shape or above 1e9, rays that are shared; things moved by a single transform, or one
             whose times do not grow, of which no velocity is told.
+
+    Warns:
+        UserWarning: things that grow or are stretched, as their flow lacks that.
     """
     sampling = self.settings.sampling
     if isinstance(sampling, Shared):
