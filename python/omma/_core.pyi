@@ -102,7 +102,7 @@ class Background:
         at the top.
 
         A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:
-        linear radiance), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is
+        linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is
         linear radiance. OpenEXR has channels R, G and B, or Y alone.
 
         Raises `omma.Error` where the file or the array is not such an image.
@@ -1641,8 +1641,10 @@ class Eye:
         """
         A copy with these properties changed, named as for making an eye; all else is kept.
 
-        acceptance_angle_rad alone makes all ommatidia round Gaussians. Raises `omma.Error` or
-        `TypeError` as making an eye does.
+        acceptance_angle_rad alone makes all ommatidia round Gaussians. New axes without up
+        have the up vectors of a new eye, unless others had been set: those are kept, across
+        the new axes, and up=eye.up keeps them always. Raises `omma.Error` or `TypeError` as
+        making an eye does.
         """
 
     @property
