@@ -461,3 +461,34 @@ def test_reflectances_out_of_range():
 def test_a_honeybee_to_assume_of_is_the_worker():
     one, other = (omma.species.melophorus(assume=name) for name in ("honeybee", "honeybee_worker"))
     assert one.assumed == other.assumed != ()
+
+
+def test_superposition_eyes_catch_by_their_aperture():
+    """Land 1981: of all facets through which light comes to one rhabdom, (400/20)² as much."""
+    eye = bee()
+    light = omma.light.uniform_sky(1e15)
+    wide = eye.replace(aperture_diameter_m=np.full(len(eye), 400e-6))
+    caught = [
+        omma.receptors.photon_catch(one, even_light(one, light), light, integration_time_s=0.01)
+        for one in (eye, wide)
+    ]
+    assert caught[1] == pytest.approx(400 * caught[0], rel=1e-5)
+    alone = wide.replace(facet_diameter_m=np.zeros(len(eye)))
+    found = omma.receptors.photon_catch(
+        alone, even_light(alone, light), light, integration_time_s=0.01
+    )
+    assert np.array_equal(found, caught[1])
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ((25e-6, 1.5, 1e-4, 6700), "acceptance_angle_rad: 1.5 rad .* 1.5° would be 0.02618 rad"),
+        ((25e-6, 0.026, 1e-4, 0.0067), "absorption_per_m: .* 0.0067 per µm would be 6700 per m"),
+        ((25.0, 0.026, 1e-4, 6700), "facet_diameter_m: .* 25 µm would be 2.5e-05 m"),
+        ((25e-6, 0.026, 100.0, 6700), "length_m: .* 100 µm would be 0.0001 m"),
+    ],
+)
+def test_numbers_in_another_unit_are_told(numbers, words):
+    with pytest.warns(UserWarning, match=words):
+        omma.receptors.optical_sensitivity(*numbers)

@@ -339,7 +339,7 @@ def test_what_is_never_and_what_is_always_told():
         ),
         (
             lambda: omma.detect(bee(), DiscTarget(1, 0, 1), LIGHT, Observer(noise=(0.1,))),
-            "noise: expected 3, one for each receptor type of the eye, found 1",
+            "noise: expected 3, one for each class of receptors of the eye (ultraviolet, blue, green)",
         ),
         (
             lambda: omma.detect(
@@ -369,7 +369,7 @@ def test_what_is_never_and_what_is_always_told():
         ),
         (
             lambda: omma.detect(bee(), DiscTarget(1, 0.2, 0), LIGHT, Observer(by="colour")),
-            "ommatidia: expected photons of the ground in every receptor type, found none in ultra",
+            "target: expected photons of its ground in ultraviolet, found none in those of the 7 ",
         ),
     ],
 )  # fmt: skip
@@ -392,3 +392,60 @@ def test_progress_is_told_and_may_end_it():
 
     with pytest.raises(KeyboardInterrupt):
         omma.detect(eye, DiscTarget(0.02, 0.05, 0.2), LIGHT, progress=end)
+
+
+def fly():
+    """The 31 ommatidia of a fly that look ahead: as many types of R1 as offsets."""
+    eye = omma.species.drosophila(assume="honeybee_worker").eye
+    return eye.take(np.flatnonzero(eye.axis[:, 2] < -0.985))
+
+
+def test_a_criterion_that_is_passed_by_a_step_has_no_error():
+    """Where the last ray leaves the target; 0 was told."""
+    target, few = DiscTarget(0.03, 0.5, 0.1), omma.Fixed(16)
+    found = omma.detect(fly(), target, BRIGHT, Observer(receptors=("R1",)), sampling=few)
+    assert found.standard_error_m > 0.1 * found.distance_m
+
+
+def test_types_of_one_name_are_one_class():
+    """A fly has a type of R1 for each way in which it looks beside the axis."""
+    eye = fly()
+    names = list(dict.fromkeys(one.name for one in eye.receptor_types))
+    assert len(names) < 12 < len(eye.receptor_types)
+    target = DiscTarget(0.03, 0.5, 0.1)
+    by = Observer(by="achromatic", receptors=("R1",), noise=(0.1,) * len(names))
+    found = omma.detect(eye, target, BRIGHT, by, sampling=omma.Fixed(256))
+    assert 0.05 < found.distance_m < 0.5
+    with pytest.raises(omma.Error, match=rf"noise: expected {len(names)}, one for each class"):
+        omma.detect(eye, target, BRIGHT, Observer(by="achromatic", receptors=("R1",), noise=(1,)))
+
+
+def test_colour_is_told_by_the_classes_that_are_there_or_named():
+    """A desert ant's dorsal rim is not ahead."""
+    ant = omma.species.cataglyphis(assume="honeybee_worker").eye
+    ahead = ant.take(np.flatnonzero(ant.axis[:, 2] < -0.9))
+    petal = omma.light.Spectrum([300, 700], [0.1, 0.9])
+    found = [
+        omma.detect(ahead, DiscTarget(0.03, petal, 0.1), BRIGHT, Observer(by="colour", receptors=r))
+        for r in ((), ("ultraviolet", "green"))
+    ]
+    assert found[0] == found[1]
+    assert found[0].distance_m > 0.5
+    rim = Observer(by="colour", receptors=("green", "dorsal rim ultraviolet along"))
+    with pytest.raises(omma.Error, match="expected some with the receptor dorsal rim"):
+        omma.detect(ahead, DiscTarget(0.03, petal, 0.1), BRIGHT, rim)
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_cannot_be_told_is_never_seen():
+    """In silence, and without an angle."""
+    for by in ("photons", "colour"):
+        found = omma.detect(bee(), DiscTarget(0.02, 0.2, 0.2), BRIGHT, Observer(by=by, ommatidia=1))
+        assert found.distance_m == 0
+        assert math.isnan(found.diameter_rad)
+
+
+def test_a_black_ground_is_told_for_what_it_is():
+    by = Observer(by="achromatic", receptors=("green",), ommatidia=1)
+    with pytest.raises(omma.Error, match=r"photons of its ground in green.* reflectance above 0"):
+        omma.detect(bee(), DiscTarget(0.02, 0.2, 0.0), BRIGHT, by)

@@ -7,6 +7,8 @@ milliseconds, leaves them.
 
 from __future__ import annotations
 
+import math
+
 from omma.base.warn import warn_caller
 
 # What: from, to, unit.
@@ -19,7 +21,14 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     "frames per second": (1.0, 1e6, "Hz"),
     # A frame that lasts sees nothing of what was there a second ago.
     "time between frames": (0.0, 1.0, "s"),
+    # As of the engine's, and of apertures.
+    "acceptance angle": (math.radians(0.02), math.radians(60.0), "rad"),
+    "diameter": (1e-6, 2e-2, "m"),
+    "rhabdom length": (1e-6, 1e-2, "m"),
+    "absorption": (1e2, 1e5, "per m"),
 }
+# What a number would be that is given in another unit: its factor, and how it is written.
+_MEANT = {"rad": (math.pi / 180, "°"), "m": (1e-6, " µm"), "per m": (1e6, " per µm")}
 
 
 # Smaller pictures are made up, and a picture of twice its height is off by rounding at most.
@@ -50,6 +59,9 @@ def warn_of_slip(what: str, value: float, name: str) -> None:
         meant = f"; {value:g} ms would be {value * 1e-3:g} s"
     elif unit == "Hz" and value > 0 and low <= 1 / value <= high:
         meant = f"; {value:g} s between frames would be {1 / value:g} Hz"
+    elif unit in _MEANT and low <= value * _MEANT[unit][0] <= high:
+        factor, other = _MEANT[unit]
+        meant = f"; {value:g}{other} would be {value * factor:.4g} {unit}"
     warn_caller(
         f"{name}: {value:g} {unit} is unusual ({what}, {low:g} to {high:g} {unit}){meant}",
         UserWarning,

@@ -43,7 +43,7 @@ class Detection:
             even at the nearest distance, infinite where it still is at the farthest.
         standard_error_m: of that, from the rays; NaN where there is no such distance, infinite
             where too few rays meet the target there.
-        diameter_rad: angular diameter of the target there.
+        diameter_rad: angular diameter of the target there; NaN where there is no such distance.
     """
 
     distance_m: float
@@ -89,7 +89,7 @@ def detect(
         >>> spot = omma.colour_vision.DiscTarget(0.02, reflectance=0.02, background=0.2)
         >>> green = omma.colour_vision.Observer(receptors=("green",), criterion=5.0)
         >>> found = omma.detect(ahead, spot, omma.light.uniform_sky(1e14), green)
-        >>> 0.9 < found.distance_m < 1.0
+        >>> 0.55 < found.distance_m < 0.57
         True
 
     Raises:
@@ -157,7 +157,7 @@ def detect(
         low = min(max(found / math.sqrt(2), near), max(far / 2, near))
     if progress is not None:
         progress(1.0)
-    return Detection(found, error, _diameter_rad(target, min(max(found, near), far)))
+    return Detection(found, error, _diameter_rad(target, found))
 
 
 def _between(excess: Excess, seen_by: Looking, low: float, high: float) -> tuple[float, float]:
@@ -174,7 +174,8 @@ def _between(excess: Excess, seen_by: Looking, low: float, high: float) -> tuple
     error = excess(seen_by, found)[1]
     near, far = (excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
     slope = (near - far) / (2 * math.log(_STEP))
-    return found, found * error / slope if slope > 0 else math.inf
+    # Without an error no ray is at the target's edge, and the criterion is passed by a step.
+    return found, found * error / slope if slope > 0 and error > 0 else math.inf
 
 
 def _ends(between_m: Sequence[float]) -> tuple[float, float]:
@@ -185,4 +186,6 @@ def _ends(between_m: Sequence[float]) -> tuple[float, float]:
 
 
 def _diameter_rad(target: DiscTarget | SceneTarget, distance_m: float) -> float:
+    if not 0 < distance_m < math.inf:
+        return math.nan
     return 2 * math.atan2(target.diameter_m / 2, distance_m)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
-from omma.base.arrays import Floats
+from omma.base.arrays import Floats, Ints
 from omma.base.values import value_class
 from omma.colour_vision.noise_limited import achromatic_distance, noise_limited_distance
 from omma.colour_vision.views import Looking, Seen, View
@@ -38,11 +38,12 @@ class Observer:
             "achromatic": the same of one receptor type (`achromatic_distance`).
         criterion: of d', or in just-noticeable differences.
         integration_time_s: over which photons are counted.
-        receptors: names of the receptor types that count for "photons", such as ("green",), (): all
-            of them; for "achromatic" the one that does.
+        receptors: names of the receptor types that count, such as ("green",); for "achromatic" the
+            one that does. (): all of them, for "colour" those that these ommatidia have. Types of
+            one name are one class, as a fly's R1 in all of its ommatidia.
         dark_per_s: photons that each receptor counts in darkness.
-        noise: e of each receptor type of the eye, in their order, as `class_noise` gives it, for
-            all but "photons"; (): 0.1 of each.
+        noise: e of each class of receptors of the eye, in the order of their first types, as
+            `class_noise` gives it, for all but "photons"; (): 0.1 of each.
         ommatidia: over how many that look nearest to the target catches are summed, for all but
             "photons".
         azimuth_deg, elevation_deg: where in the head's field the target is kept.
@@ -93,13 +94,16 @@ class Decision:
 
     def __init__(self, eye: Eye, observer: Observer) -> None:
         self._observer = observer
-        names = [one.name for one in eye.receptor_types]
+        of_types = [one.name for one in eye.receptor_types]
+        names = list(dict.fromkeys(of_types))
+        number = {name: k for k, name in enumerate(names)}
+        self._class_of_type = np.array([number[name] for name in of_types], np.int64)
         for name in observer.receptors:
             one_of(name, names, "receptors")
         if observer.noise and len(observer.noise) != len(names):
             raise Error(
-                f"noise: expected {len(names)}, one for each receptor type of the eye, found "
-                f"{len(observer.noise)}"
+                f"noise: expected {len(names)}, one for each class of receptors of the eye "
+                f"({', '.join(names):.200}), found {len(observer.noise)}"
             )
         counts = [not observer.receptors or name in observer.receptors for name in names]
         self._counts = np.array(counts, bool)
@@ -125,9 +129,9 @@ class Decision:
     def _told(self, eye: Eye, seen: Seen) -> tuple[float, Floats]:
         """What is told, and how it changes with what the target adds to each receptor."""
         if self._observer.by != "photons":
-            return self._noise_limited(eye.receptor_type, seen)
+            return self._noise_limited(self._class_of_type[eye.receptor_type], seen)
         dark = self._observer.dark_per_s * self._observer.integration_time_s
-        counts = self._counts[eye.receptor_type]
+        counts = self._counts[self._class_of_type[eye.receptor_type]]
         variance = seen.background + seen.added / 2 + dark
         safe = np.where(variance > 0, variance, 1.0)
         # As of `d_prime`, without what errors of the rays add to squares.
@@ -136,31 +140,44 @@ class Decision:
         slope = seen.added / safe - (seen.added / safe) ** 2 / 4
         return found, np.where(counts, slope, 0.0) / (found or math.inf)
 
-    def _noise_limited(self, types: NDArray[np.integer], seen: Seen) -> tuple[float, Floats]:
-        """Of catches summed by receptor type."""
+    def _noise_limited(self, classes: NDArray[np.integer], seen: Seen) -> tuple[float, Floats]:
+        """Of catches summed by class of receptors."""
         count = len(self._names)
-        ground: Floats = np.bincount(types, seen.background, minlength=count).astype(np.float64)
-        added: Floats = np.bincount(types, seen.added, minlength=count).astype(np.float64)
-        used = np.full(count, True) if self._observer.by == "colour" else self._counts
-        for name, photons in zip(np.array(self._names)[used], ground[used], strict=True):
-            if not photons > 0:
-                raise Error(
-                    f"ommatidia: expected photons of the ground in every receptor type, found none "
-                    f"in {name} of the {self._observer.ommatidia} that look nearest to the target; "
-                    "more ommatidia may have them"
-                )
+        ground: Floats = np.bincount(classes, seen.background, minlength=count).astype(np.float64)
+        added: Floats = np.bincount(classes, seen.added, minlength=count).astype(np.float64)
+        there = np.bincount(classes, minlength=count)
+        used = self._counts if self._observer.receptors else there > 0
+        self._expect_photons(used, there, ground)
         dark = self._observer.dark_per_s * self._observer.integration_time_s
-        ground = ground + dark * np.bincount(types, minlength=count)
+        ground = ground + dark * there
 
         def distance(more: Floats) -> Floats:
             # A target that gives no light at all has no logarithm.
             seen = np.maximum(ground + more, 1e-9 * ground)[..., used]
             if self._observer.by == "colour":
-                return noise_limited_distance(seen, ground, self._noise, photon_noise=True)
+                return noise_limited_distance(
+                    seen, ground[used], self._noise[used], photon_noise=True
+                )
             noise = float(self._noise[used][0])
             return achromatic_distance(seen[..., 0], ground[used][0], noise, photon_noise=True)
 
         found = float(distance(added))
         step = _STEP * ground * np.eye(count)
-        slope = (distance(added + step) - distance(added - step)) / (2 * _STEP * ground)
-        return found, np.where(used, slope, 0.0)[types]
+        rise = distance(added + step) - distance(added - step)
+        slope = np.divide(rise, 2 * _STEP * ground, out=np.zeros(count), where=used)
+        return found, slope[classes]
+
+    def _expect_photons(self, used: NDArray[np.bool_], there: Ints, ground: Floats) -> None:
+        for k in np.flatnonzero(used):
+            if ground[k] > 0:
+                continue
+            nearest = f"of the {self._observer.ommatidia} that look nearest to the target"
+            if there[k] == 0:
+                raise Error(
+                    f"ommatidia: expected some with the receptor {self._names[k]}, found none "
+                    f"{nearest}; more ommatidia may have it"
+                )
+            raise Error(
+                f"target: expected photons of its ground in {self._names[k]}, found none in those "
+                f"{nearest}: give the ground a reflectance above 0, and light that they see"
+            )

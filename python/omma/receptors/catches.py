@@ -32,12 +32,12 @@ def photon_catch(
     """Photons that each receptor absorbs in a time: (..., R).
 
     N = f (π/4) D² Ω t ∫ L (1 - exp(-k a l)) dλ from 300 to 700 nm (after Land 1981; Warrant and
-    Nilsson 1998), with the facet's diameter D, the solid angle Ω of the acceptance, the rhabdom's
-    absorption k and length l, the pigment's absorbance a, and the receptor's share f of the
-    rhabdom's cross-section (`rhabdom_share`): published numbers are of whole rhabdoms, f = 1. Of
-    `Acceptance.lens_rhabdom` what does not get into the rhabdom is taken off
-    (`Acceptance.coupling_efficiency`); what the lens and what is before the rhabdom absorb is not.
-    Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
+    Nilsson 1998), with the diameter D of the facet, or of a superposition eye's aperture, the solid
+    angle Ω of the acceptance, the rhabdom's absorption k and length l, the pigment's absorbance a,
+    and the receptor's share f of the rhabdom's cross-section (`rhabdom_share`): published numbers
+    are of whole rhabdoms, f = 1. Of `Acceptance.lens_rhabdom` what does not get into the rhabdom is
+    taken off (`Acceptance.coupling_efficiency`); what the lens and what is before the rhabdom absorb
+    is not. Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
 
     Args:
         responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
@@ -107,7 +107,7 @@ def _what_lacks(eye: Eye) -> str:
     import omma.species.animals  # species lie above this subpackage: for these words alone
 
     lacks = []
-    facets = int(np.count_nonzero(eye.facet_diameter_m == 0))
+    facets = int(np.count_nonzero((eye.facet_diameter_m == 0) & (eye.aperture_diameter_m == 0)))
     if facets:
         lacks.append(f"facet_diameter_m of {facets} of {len(eye)} ommatidia")
     for what in ("absorption_per_m", "length_m"):

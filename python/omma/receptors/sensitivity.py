@@ -18,6 +18,7 @@ from omma._core import Error, Eye
 from omma._core import ReceptorType as ReceptorType
 from omma.base.arguments import array_of, arrays_of, checked
 from omma.base.arrays import Floats
+from omma.base.slips import warn_of_slip
 from omma.light.bands import Bands, band_means
 from omma.receptors.solid_angles import (
     Field,
@@ -212,7 +213,7 @@ def optical_sensitivity(
 
     This is the number that is published, with Land's solid angle (π/4) Δρ². What an ommatidium of
     Gaussian acceptance receives is 1.44 times as much: `solid_angle_sr`, by which `photon_catch`
-    goes.
+    goes. The caller is warned of numbers that are no animal's, mostly in another unit.
     """
     diameter, angle, length, absorption = arrays_of(
         facet_diameter_m=facet_diameter_m,
@@ -220,15 +221,17 @@ def optical_sensitivity(
         length_m=length_m,
         absorption_per_m=absorption_per_m,
     )
-    return (
-        np.pi
-        / 4
-        * diameter**2
-        * np.pi
-        / 4
-        * angle**2
-        * _absorbed(absorption * length, monochromatic)
-    )
+    for what, values, name in (
+        ("diameter", diameter, "facet_diameter_m"),
+        ("acceptance angle", angle, "acceptance_angle_rad"),
+        ("rhabdom length", length, "length_m"),
+        ("absorption", absorption, "absorption_per_m"),
+    ):
+        known = values[values > 0]  # 0 where it is not known
+        for value in {float(known.min()), float(known.max())} if known.size else ():
+            warn_of_slip(what, value, name)
+    area, solid_angle = np.pi / 4 * diameter**2, np.pi / 4 * angle**2
+    return area * solid_angle * _absorbed(absorption * length, monochromatic)
 
 
 def _absorbed(depth: Floats, monochromatic: bool) -> Floats:
@@ -241,7 +244,9 @@ def receptor_optical_sensitivity(
 ) -> Floats:
     """`optical_sensitivity` of each receptor of an eye: (R,), m² sr.
 
-    NaN where the facet's diameter or the receptor's absorption or length is not known.
+    D is the facet's diameter, or of superposition eyes the aperture's, through whose facets light
+    comes to one rhabdom (Land 1981). NaN where it or the receptor's absorption or length is not
+    known.
 
     Args:
         monochromatic: of light at the pigment's peak, instead of white.
@@ -252,7 +257,8 @@ def receptor_optical_sensitivity(
         omma.Error: what `receptor_solid_angle_sr` raises.
     """
     types, of = eye.receptor_types, eye.receptor_type
-    diameter = eye.facet_diameter_m[ommatidium_of_receptor(eye)].astype(np.float64)
+    gathers = np.where(eye.aperture_diameter_m > 0, eye.aperture_diameter_m, eye.facet_diameter_m)
+    diameter = gathers[ommatidium_of_receptor(eye)].astype(np.float64)
     length = np.array([t.length_m for t in types])[of]
     absorption = np.array([t.absorption_per_m for t in types])[of]
     area = np.pi / 4 * diameter**2
