@@ -36,8 +36,8 @@ def photon_catch(
     angle Ω of the acceptance, the rhabdom's absorption k and length l, the pigment's absorbance a,
     and the receptor's share f of the rhabdom's cross-section (`rhabdom_share`): published numbers
     are of whole rhabdoms, f = 1. Of `Acceptance.lens_rhabdom` what does not get into the rhabdom is
-    taken off (`Acceptance.coupling_efficiency`); what the lens and what is before the rhabdom absorb
-    is not. Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
+    taken off (`Acceptance.coupling_efficiency`); what the lens and what is before the rhabdom
+    absorb is not. Of a receptor with a table, its largest sensitivity stands for 1 - exp(-kl).
 
     Args:
         responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
