@@ -163,3 +163,31 @@ def test_a_closed_loop_on_the_ground():
     _, reward, _, _, info = env.step(np.array([0.5], np.float32))
     assert reward == pytest.approx(20, abs=1e-4)
     np.testing.assert_array_equal(info["pose"], pose_of(0.5)[1])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t_s;x_m;z_m\n0;1,5;2\n0,5;2,5;3\n",
+        "t_s\tx_m\tz_m\n0\t1,5\t2\n0.5\t2.5\t3\n",
+        "x_m,z_m,t_s\n1.5,2,0\n2.5,3,0.5\n",
+        "z_m; T_s; x_m # of the tracker\n2; 0; 1.5\n\n3; 0.5; 2.5\n",
+    ],
+)
+def test_tracks_as_programs_write_them(tmp_path, text):
+    """Semicolons and tabs, with decimal commas then, and columns in any order."""
+    (tmp_path / "track.csv").write_text(text)
+    found = omma.motion.load_track(tmp_path / "track.csv")
+    assert np.array_equal(found.xz_m, [(1.5, 2), (2.5, 3)])
+    assert np.array_equal(found.times_s, [0, 0.5])
+
+
+def test_poses_as_programs_write_them(tmp_path):
+    (tmp_path / "path.csv").write_text(
+        "yaw_deg;pitch_deg;roll_deg;x;y;z\n90;0;0;1,5;2;3\n0;10;0;0;0;0\n"
+    )
+    expected = omma.poses_from_angles([(1.5, 2, 3), (0, 0, 0)], [(90, 0, 0), (0, 10, 0)])
+    assert np.array_equal(omma.load_poses(tmp_path / "path.csv"), expected)
+    (tmp_path / "path.csv").write_text("x;y;z;yaw_deg;pitch_deg;roll_deg\n1;2;3;4;5\n")
+    with pytest.raises(omma.Error, match="line 2: expected 6 numbers separated by semicolons"):
+        omma.load_poses(tmp_path / "path.csv")

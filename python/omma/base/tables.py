@@ -22,41 +22,52 @@ from omma.base.files import PathLike, open_text
 def read_table(
     path: PathLike, headers: Sequence[tuple[str, ...]], row: str
 ) -> tuple[tuple[str, ...], Floats, Sequence[int]]:
-    """Of a CSV file the names of its columns, one of ``headers``, the rows (N, columns), and the
-    number of each one's line; ``row`` is what one of them is called.
+    """Of a CSV file the names of its columns, one of ``headers``, the rows (N, columns) in that
+    order, and the number of each one's line; ``row`` is what one of them is called.
 
-    Empty lines, and what follows a #, are passed over.
+    Columns may come in any order. Their names say what separates them, commas, semicolons or tabs;
+    decimals may have commas where these do not. Empty lines, and what follows a #, are passed over.
 
     Raises:
         omma.Error: the file cannot be read or is no such table; it names the line.
     """
     name = os.fsdecode(path)
     columns: tuple[str, ...] = ()
+    header: tuple[str, ...] = ()
+    between = ","
     numbers = array("d")  # 8 bytes a number: a million poses are few
     lines = array("q")
     for number, full in enumerate(open_text(path), start=1):
         line, where = full.split("#", 1)[0].strip(), f"{name}, line {number}"
         if not line:
             continue
+        if not columns:
+            between = next((one for one in ";\t" if one in line), ",")
         try:
-            cells = [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+            read = csv.reader([line], delimiter=between, skipinitialspace=between != "\t")
+            cells = [cell.strip() for cell in next(read)]
         except csv.Error as error:
             raise Error(f"{where}: is not CSV: {error}") from None
         if not columns:
             columns = tuple(cell.lower() for cell in cells)
-            if columns not in headers:
+            header = next((one for one in headers if sorted(one) == sorted(columns)), ())
+            if not header:
                 expected = " or ".join(",".join(header) for header in headers)
                 raise Error(f"{where}: expected a header line {expected}, found '{line[:60]}'")
             continue
         if len(cells) != len(columns):
+            word = {",": "commas", ";": "semicolons", "\t": "tabs"}[between]
             raise Error(
-                f"{where}: expected {len(columns)} numbers separated by commas, found {len(cells)}"
+                f"{where}: expected {len(columns)} numbers separated by {word}, found {len(cells)}"
             )
+        if between != ",":
+            cells = [cell.replace(",", ".") for cell in cells]
         numbers.extend(map(_number, cells, columns, repeat(where)))
         lines.append(number)
     if not numbers:
         raise Error(f"{name}: holds no {row}")
-    return columns, np.array(numbers).reshape(-1, len(columns)), lines
+    order = [columns.index(one) for one in header]
+    return header, np.array(numbers).reshape(-1, len(columns))[:, order], lines
 
 
 def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[Floats, ...]:

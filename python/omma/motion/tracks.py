@@ -90,8 +90,9 @@ class Track:
 def load_track(path: str | os.PathLike[str]) -> Track:
     """A track from a CSV file, one position a line.
 
-    The first line names the columns: ``x_m,z_m``, with ``t_s`` before them, ``heading_deg`` behind
-    them, or both. Empty lines, and what follows a ``#``, are passed over.
+    The first line names the columns: ``x_m,z_m``, with ``t_s``, ``heading_deg`` or both, in any
+    order; semicolons and tabs may separate them, decimals have points or commas then. Empty lines,
+    and what follows a ``#``, are passed over; rows of frames without a position must be left out.
 
     Raises:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
