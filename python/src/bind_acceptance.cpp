@@ -32,6 +32,21 @@ RhabdomModel model_of(const std::string& name) {
   throw Error("model: expected one of waveguide, geometric, snyder, found '" + name + "'");
 }
 
+// An ideal lens meets the sine condition, n sin(u) = D/(2f): no cone of light in matter of the index
+// n is wider than sin(u) = 1, f = D/(2n). The largest index given is the one taken.
+void expect_sine_condition(double facet_diameter_m, double focal_length_m, double index,
+                           bool allow_unusual) {
+  const double least = facet_diameter_m / (2 * index);
+  if (allow_unusual || !(focal_length_m > 0) || !(focal_length_m < least)) return;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "focal_length_m: expected at least %.4g m, the facet's diameter over twice the "
+                "refractive index (%.4g), found %.4g m, an F-number of %.3g; if it is meant, say "
+                "allow_unusual=True",
+                least, index, focal_length_m, focal_length_m / facet_diameter_m);
+  throw Error(text);
+}
+
 Acceptance checked(Acceptance acceptance) {
   run_long_work([&] { validate_acceptance(acceptance, "Acceptance"); });
   return acceptance;
@@ -187,6 +202,8 @@ void bind_acceptance(nb::module_& m) {
             expect(Quantity::rhabdom_diameter, "rhabdom_diameter_m", rhabdom_diameter_m);
             expect(Quantity::refractive_index, "rhabdom_index", rhabdom_index);
             expect(Quantity::refractive_index, "surround_index", surround_index);
+            expect_sine_condition(facet_diameter_m, focal_length_m,
+                                  std::max(rhabdom_index, surround_index), allow_unusual);
             Acceptance a;
             a.kernel = Kernel::lens_rhabdom;
             a.facet_diameter_m = facet_diameter_m;

@@ -449,3 +449,11 @@ def test_a_black_ground_is_told_for_what_it_is():
     by = Observer(by="achromatic", receptors=("green",), ommatidia=1)
     with pytest.raises(omma.Error, match=r"photons of its ground in green.* reflectance above 0"):
         omma.detect(bee(), DiscTarget(0.02, 0.2, 0.0), BRIGHT, by)
+
+
+def test_a_disc_that_nothing_lights_is_told():
+    target = DiscTarget(0.02, 0.02, 0.2)
+    with pytest.warns(UserWarning, match=r"target: no light falls on the side \(0\.0, 1"):
+        found = omma.detect(bee(), target, omma.light.lamps())
+    assert found.distance_m == 0
+    assert math.isnan(found.diameter_rad)

@@ -502,6 +502,7 @@ def public_calls(folder):
         "receptor_matrix": (bee,),
         "receptor_optical_sensitivity": (bee,),
         "receptor_solid_angle_sr": (bee,),
+        "receptor_wiring": (bee, omma.eye.superposition.Wiring([0, 1], [0], [1.0])),
         "rhabdom_share": (bee,),
         "solid_angle_sr": (0.05,),
         "render_all_cameras": {

@@ -157,7 +157,8 @@ MOVED = {
     "lattice": "Lattice LatticeCheck check_lattice",
     "scans": "ImportedEye LensConeEye import_lens_cone import_oda",
     "skew": "skew_rad squeeze_for_skew squeezed",
-    "superposition": "Wiring fly_receptors neural_superposition_wiring pool superposition_facets",
+    "superposition": "Wiring fly_receptors neural_superposition_wiring pool receptor_wiring "
+    "superposition_facets",
     "surfaces": "ellipsoid load_surface mesh_surface sphere",
 }
 

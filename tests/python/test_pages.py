@@ -98,7 +98,10 @@ assert np.nanmean(motion[level, 0]) > 0.01
 assert light.shape == (1, 3, 1, 721) and published.q.tolist() == [0, 1]
 """,
     "docs/mujoco.md": "assert responses.shape == (1, 1000, 3) and lit.lighting == 'path'",
-    "docs/receptors.md": "assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)",
+    "docs/receptors.md": """
+assert cartridges.shape == (2, 300) and responses.shape == (2, 300, 3)
+assert photons.shape == (2, 300) and (photons > 0).any()
+""",
     "docs/sampling.md": "assert report.rays.shape == (1, 10_760) and (low <= high).all()",
     "docs/start.md": """
 assert flight.shape == (3, 10760, 3) and inside.min() < 0.5 < inside.max()

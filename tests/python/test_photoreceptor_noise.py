@@ -125,3 +125,20 @@ ONES = np.ones((2, 3))
 def test_bad_calls(call, message):
     with pytest.raises(omma.Error, match=message):
         call()
+
+
+@pytest.mark.parametrize(
+    ("name", "species", "factor"),
+    [("bumblebee green", "bumblebee", 1.58), ("blowfly", "calliphora", 1.56)],
+)
+def test_times_of_species_are_full_widths_and_those_of_noise_are_longer(name, species, factor):
+    """As the pages say: √π σ exp(0.75 σ²)/sinh(σ √(2 ln 2)) of a log-normal, σ 0.3."""
+    h = omma.photoreceptors.published_response(name)
+    animal = getattr(omma.species, species)()
+    # The blowfly's table has steps of 0.01 ms, its published width two digits.
+    assert np.min(np.abs(animal.integration_time_s - h.full_width_s)) < 1e-5
+    assert h.integration_time_s / h.full_width_s == pytest.approx(factor, abs=0.005)
+    if name != "blowfly":
+        s = 0.3
+        exact = np.sqrt(np.pi) * s * np.exp(0.75 * s**2) / np.sinh(s * np.sqrt(2 * np.log(2)))
+        assert h.integration_time_s / h.full_width_s == pytest.approx(exact, rel=1e-12)

@@ -155,6 +155,19 @@ def test_what_is_impossible_stays_so():
         assert "allow_unusual" not in str(found.value)
 
 
+def test_no_lens_has_an_f_number_below_that_of_the_sine_condition():
+    """F = 1/(2n): 25 µm / (2 × 1.363) is 9.171 µm."""
+    words = r"focal_length_m: expected at least 9\.171e-06 m, .*F-number of 0\.2; .*allow_unusual"
+    with pytest.raises(omma.Error, match=words):
+        Acceptance.lens_rhabdom(25e-6, 5e-6, 1.9e-6, 500)
+    least = 25e-6 / (2 * 1.363)
+    for model in ("waveguide", "geometric", "snyder"):
+        with pytest.raises(omma.Error, match="focal_length_m"):
+            Acceptance.lens_rhabdom(25e-6, 0.999 * least, 1.9e-6, 500, model=model)
+        Acceptance.lens_rhabdom(25e-6, 1.001 * least, 1.9e-6, 500, model=model)
+    Acceptance.lens_rhabdom(25e-6, 5e-6, 1.9e-6, 500, allow_unusual=True)
+
+
 def test_files_are_data(tmp_path):
     """What was meant once and written is read again, in whatever range."""
     wide = Acceptance.gaussian(2.0, 1.5, allow_unusual=True)

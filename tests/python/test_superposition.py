@@ -351,3 +351,86 @@ def test_facets_pooled_see_what_the_aperture_sees(scene):
     # edges that pass between them.
     assert difference(alone) > 0.01
     assert difference(pooled) < 0.2 * difference(alone)
+
+
+def moth():
+    """Facets of two sizes on a plane, each with two receptors of which catches are known."""
+    green, blue = (
+        omma.receptors.ReceptorType(
+            name, peak_wavelength_nm=peak, absorption_per_m=6700, length_m=2e-4
+        )
+        for name, peak in (("green", 520), ("blue", 440))
+    )
+    eye = flat_eye(facet_diameter_m=np.where(np.arange(121) % 2, 16e-6, 20e-6))
+    eye = eye.replace(aperture_diameter_m=85e-6, acceptance_angle_rad=0.05)
+    kinds = [
+        omma.receptors.OmmatidiumType("both", (green, blue), abundance=0.5),
+        omma.receptors.OmmatidiumType("one", (green,), abundance=0.5),
+    ]
+    return omma.receptors.assign_receptors(eye, kinds, seed=1)
+
+
+def test_views_of_facets_have_their_ommatidiums_receptors():
+    eye = moth()
+    assert set(np.diff(eye.first_receptor)) == {1, 2}
+    views, wiring = omma.eye.superposition.superposition_facets(eye)
+    of_receptors = omma.eye.superposition.receptor_wiring(views, wiring)
+    assert len(of_receptors) == len(eye.receptor_type)
+    owner = omma.receptors.ommatidium_of_receptor(eye)
+    assert np.array_equal(of_receptors.members, wiring.members[owner])
+    names = np.array([one.name for one in views.receptor_types])[views.receptor_type]
+    wanted = np.array([one.name for one in eye.receptor_types])[eye.receptor_type]
+    assert np.array_equal(names[of_receptors.index], np.repeat(wanted, of_receptors.members))
+    # The ommatidium of what is pooled, slowly.
+    of_view = np.repeat(np.arange(len(eye)), wiring.members)
+    view = omma.receptors.ommatidium_of_receptor(views)[of_receptors.index]
+    assert np.array_equal(of_view[view], np.repeat(owner, of_receptors.members))
+    assert np.array_equal(of_receptors.weight, wiring.weight[view])
+
+
+def test_receptors_pooled_answer_as_rgb_pooled_does(scene):
+    eye = moth()
+    views, wiring = omma.eye.superposition.superposition_facets(eye)
+    renderer = omma.Renderer(scene, views, omma.Fixed(16), threads=2)
+    pose = omma.look_at((0, 3, 0), (14, 0, -3))
+    matrix = np.array([[0, 1, 0], [0, 0, 1]])[: len(views.receptor_types)]
+    pooled = omma.eye.superposition.pool(
+        renderer.render_receptors(pose, matrix=matrix),
+        omma.eye.superposition.receptor_wiring(views, wiring),
+    )
+    rgb = omma.eye.superposition.pool(renderer.render(pose), wiring, axis=1)
+    owner = omma.receptors.ommatidium_of_receptor(eye)
+    expected = np.einsum("prc,rc->pr", rgb[:, owner], matrix[eye.receptor_type])
+    assert np.ptp(expected) > 0.05
+    # Both are sums in single precision.
+    np.testing.assert_allclose(pooled, expected, atol=1e-6)
+
+
+def test_catches_of_facets_add_up_to_the_apertures_by_area():
+    """Σ D_f² / A² of an aperture's, in even light."""
+    eye, light = moth(), omma.light.uniform_sky(1e15)
+    views, wiring = omma.eye.superposition.superposition_facets(eye)
+
+    def caught(one):
+        ones = np.ones(len(one.receptor_type))
+        return omma.receptors.photon_catch(one, ones, light, integration_time_s=0.01)
+
+    of_receptors = omma.eye.superposition.receptor_wiring(views, wiring)
+    summed = np.add.reduceat(caught(views)[of_receptors.index], of_receptors.first[:-1])
+    areas = np.add.reduceat(wiring.weight, wiring.first[:-1]) / 85e-6**2
+    owner = omma.receptors.ommatidium_of_receptor(eye)
+    # Diameters are in single precision.
+    np.testing.assert_allclose(summed, areas[owner] * caught(eye), rtol=1e-5)
+
+
+def test_receptor_wiring_says_what_lacks():
+    views, wiring = omma.eye.superposition.superposition_facets(flat_eye(), 85e-6)
+    with pytest.raises(omma.Error, match="views: expected receptors, found none; give them"):
+        omma.eye.superposition.receptor_wiring(views, wiring)
+    views, wiring = omma.eye.superposition.superposition_facets(moth())
+    with pytest.raises(omma.Error, match=f"views: expected at least {len(views)}, found 3"):
+        omma.eye.superposition.receptor_wiring(views.take([0, 1, 2]), wiring)
+    count = len(views)
+    mixed = omma.eye.superposition.Wiring([0, count], np.arange(count), np.ones(count))
+    with pytest.raises(omma.Error, match="views: expected as many receptors in all of target 0"):
+        omma.eye.superposition.receptor_wiring(views, mixed)

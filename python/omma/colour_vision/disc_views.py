@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from omma._core import Background, Eye
 from omma.base.arguments import as_named
 from omma.base.arrays import Floats
+from omma.base.warn import warn_caller
 from omma.colour_vision.targets import DiscTarget
 from omma.colour_vision.views import Seen, View, met
 from omma.light.bands import Bands
@@ -45,6 +46,13 @@ class DiscView(View):
         self._center_m = np.array([0, 0, -_BEHIND * target.diameter_m])
         with as_named(normal="facing"):
             falls = sum(light.irradiance(target.facing))
+        if not np.any(falls):
+            warn_caller(
+                f"target: no light falls on the side {target.facing} that the disc and its ground "
+                "face, so that both are black; turn facing towards the light, and take a "
+                "SceneTarget where lamps of a scene light it",
+                UserWarning,
+            )
         # (2, B), of ground and disc.
         self._radiance = np.array(
             [

@@ -41,6 +41,7 @@ __getattr__ = moved_names(
         "fly_receptors",
         "neural_superposition_wiring",
         "pool",
+        "receptor_wiring",
         "superposition_facets",
     ),
     surfaces=("ellipsoid", "load_surface", "mesh_surface", "sphere"),

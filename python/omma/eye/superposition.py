@@ -23,7 +23,14 @@ from omma.eye.trapezoid import TRAPEZOID, trapezoid_offsets
 from omma.receptors.mosaic import COLUMN, Region, region_mask
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
 
-__all__ = ["Wiring", "fly_receptors", "neural_superposition_wiring", "pool", "superposition_facets"]
+__all__ = [
+    "Wiring",
+    "fly_receptors",
+    "neural_superposition_wiring",
+    "pool",
+    "receptor_wiring",
+    "superposition_facets",
+]
 
 
 # Offsets are rounded to this share of the median interommatidial angle, so that ommatidia with
@@ -226,8 +233,9 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
     An ommatidium sees through every facet of its eye that lies within the aperture about its axis
     and is not turned away from it. Rendering the eye that is returned and pooling the responses
     (`pool` with ``axis=1``) gives what `Eye.aperture_diameter_m` stands for, with the facets where
-    they are: an entry for each pair, with the facet's position and the ommatidium's axis, weighted
-    by the facet's area where its diameter is known.
+    they are: an entry for each pair, with the facet's position and diameter and the ommatidium's
+    axis and receptors, weighted by the facet's area where its diameter is known. What
+    `render_receptors` gives is pooled by `receptor_wiring`.
 
     Args:
         aperture_diameter_m: of the disc across the axis; None: the eye's own.
@@ -257,11 +265,45 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
     weight = area if np.all(area > 0) else np.ones(len(facet))
     views = eye.take(owner).replace(
         position_m=eye.position_m[facet],
+        facet_diameter_m=eye.facet_diameter_m[facet],
         aperture_diameter_m=0.0,
-        receptor_types=None,
-        receptors=None,
     )
     return views, _wiring(owner, np.arange(len(owner)), weight, len(eye))
+
+
+@checked
+def receptor_wiring(views: Eye, wiring: Wiring) -> Wiring:
+    """How receptors of views are pooled where the views are pooled by a wiring.
+
+    Of `superposition_facets`: each receptor of an ommatidium pools those that are in its place in
+    the ommatidium's views. Targets are the receptors of the eye that was taken apart, in their
+    order.
+
+    Raises:
+        omma.Error: views without receptors, fewer than the wiring speaks of, or of different
+            numbers of receptors in one target.
+    """
+    if len(views.receptor_type) == 0:
+        raise Error("views: expected receptors, found none; give them to the eye before its views")
+    if len(wiring.index) and len(views) <= wiring.index.max():
+        raise Error(f"views: expected at least {wiring.index.max() + 1}, found {len(views)}")
+    first = views.first_receptor.astype(np.int64)
+    owner = np.repeat(np.arange(len(wiring)), wiring.members)
+    count = np.diff(first)[wiring.index]
+    of_target = np.zeros(len(wiring), np.int64)
+    of_target[owner] = count
+    if np.any(of_target[owner] != count):
+        uneven = int(owner[np.argmax(of_target[owner] != count)])
+        raise Error(f"views: expected as many receptors in all of target {uneven}")
+    first_target = np.concatenate([[0], np.cumsum(of_target)])
+    entry = np.repeat(np.arange(len(count)), count)
+    place = np.arange(len(entry)) - np.repeat(np.cumsum(count) - count, count)
+    return _wiring(
+        first_target[owner[entry]] + place,
+        first[wiring.index[entry]] + place,
+        wiring.weight[entry],
+        int(first_target[-1]),
+    )
 
 
 def _looking(kind: ReceptorType, name: str, right_rad: float, up_rad: float) -> ReceptorType:

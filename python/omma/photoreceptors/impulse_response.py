@@ -243,6 +243,10 @@ class ImpulseResponse:
     def integration_time_s(self) -> float:
         """1/∫ h²: photons that come by chance make the same noise in the response as their number
         does that is counted over this time, s.
+
+        It is longer than the full width at half maximum, which
+        `omma.species.Species.integration_time_s` gives: 1.58 times for a log-normal of σ 0.3, 1.51
+        times for a Gaussian. Count photons by this one to have the noise that a filter leaves.
         """
         if self.shape == "howard":
             s = self.sigma

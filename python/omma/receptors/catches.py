@@ -44,7 +44,9 @@ def photon_catch(
             `receptor_matrix` makes of bands.
         light: what the world was lit by; it must be in photons.
         integration_time_s: over which a receptor adds up: a number, or one for each receptor (R,),
-            as `omma.species.Species.integration_time_s`.
+            as `omma.species.Species.integration_time_s`, a full width at half maximum; or
+            `ImpulseResponse.integration_time_s`, 1/∫ h², 1.5 to 1.6 times as long, for the noise
+            that a filter leaves.
         field: "acceptance": Ω = ∫ S dω, of the acceptance by which responses are rendered. "land":
             Ω = (π/4) Δρ², as in published catches, 0.69 of a Gaussian's.
 

@@ -113,7 +113,9 @@ class Species:
         """Over which each receptor adds up light: (R,), s, for `omma.receptors.photon_catch`.
 
         The full width at half maximum of the impulse response in bright light, by receptor or for
-        all, of the table: of this animal, or else of the first in ``assume`` that has it.
+        all, of the table: of this animal, or else of the first in ``assume`` that has it. The time
+        that leaves an impulse response's noise, `ImpulseResponse.integration_time_s`, is 1.5 to 1.6
+        times as long, and so are catches over it.
 
         Example:
             >>> bee = omma.species.bumblebee()
