@@ -4,7 +4,10 @@
 namespace omma {
 
 std::vector<SearchFunctions> portable_searches() {
-  std::vector<SearchFunctions> searches{baseline::portable_search(), plain::portable_search()};
+  std::vector<SearchFunctions> searches{baseline::portable_search()};
+#if defined(OMMA_HAS_PLAIN)
+  searches.push_back(plain::portable_search());
+#endif
 #if defined(OMMA_HAS_AVX2)
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
       __builtin_cpu_supports("bmi2"))
