@@ -2,6 +2,7 @@
 them, and motion on them."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -205,6 +206,17 @@ def test_another_word_for_a_side_is_refused():
 def test_columns_are_called_as_users_find_them():
     with pytest.raises(TypeError, match=r"columns: expected omma\.columns\.Columns, found list"):
         omma.columns.flyvis_movie(np.ones((2, 3)), [1, 2, 3])
+
+
+def test_light_above_white_and_none_at_all_is_told(lattice):
+    light = np.linspace(0, 2, 4 * 721).reshape(4, 721)
+    with pytest.warns(UserWarning, match=r"white: 50 % of the light is above 1 .* brightest is 2"):
+        assert omma.columns.flyvis_movie(light, lattice).max() == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.columns.flyvis_movie(light, lattice, white=1.95)  # some highlights
+    with pytest.raises(omma.Error, match="light: expected numbers, found NaN in all frames"):
+        omma.columns.flyvis_movie(np.nan * light, lattice, fill=0.5)
 
 
 def test_hexals_without_a_column(lattice):

@@ -357,6 +357,9 @@ def test_what_are_no_frames():
 def test_what_are_no_gratings():
     with pytest.raises(omma.Error, match="wavelength_rad: expected numbers above 0, found 0"):
         omma.motion.grating_response(1, [0.1, 0], 1, 0.1, TAU_S)
+    for contrast in (50, [0.5, -0.1]):
+        with pytest.raises(omma.Error, match=r"contrast: expected 0 to 1 \(not per cent\), found"):
+            omma.motion.grating_response(contrast, 0.1, 1, 0.1, TAU_S)
     with pytest.raises(omma.Error, match="tau_s: expected a number above 0"):
         omma.motion.best_frequency_hz(0)
     with pytest.raises(omma.Error, match="rows: expected one of v, q, -p, -v, -q, p, found 'h'"):

@@ -296,6 +296,7 @@ def public_calls(folder):
         "FrameFilter": (impulse.howard(0.01, 0.3), 100.0),
         "VanHaterenSnippe": (100.0,),
         "displace_axes": (eye.axis, eye.up, np.full(len(eye), 0.01), 0.0),
+        "frame_integration_time_s": (impulse.howard(0.01, 0.3), 100.0),
         "filter_frames": (frames, 100.0, impulse.box(0.02)),
         "intrinsic_noise": (frames, 0.1, 1),
         "large_monopolar": (frames, 100.0, np.full((len(eye), 6), -1)),

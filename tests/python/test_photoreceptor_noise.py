@@ -127,6 +127,35 @@ def test_bad_calls(call, message):
         call()
 
 
+@pytest.mark.parametrize("rate_hz", [50.0, 100.0, 200.0, 500.0, 2000.0])
+@pytest.mark.parametrize("name", ["bumblebee green", "blowfly", "exponential"])
+def test_filtered_noise_has_the_variance_of_photons_at_any_frame_rate(name, rate_hz):
+    """L photons a second leave L ∫ h² behind h: relative to L, ∫ h² / L."""
+    if name == "exponential":
+        h = ImpulseResponse.exponential(0.01)
+    else:
+        h = omma.photoreceptors.published_response(name)
+    time_s = omma.photoreceptors.frame_integration_time_s(h, rate_hz)
+    assert 0 < time_s * rate_hz < 1.001
+    per_s, count = 1e5, 20_000
+    some = int(np.ceil(0.2 * rate_hz)) + 2  # frames, of which the last has forgotten the first
+    drawn = photon_noise(np.ones((some, count)), 4, photons_per_s=per_s, integration_time_s=time_s)
+    found = np.var(filter_frames(drawn, rate_hz, h, before=1.0)[-1])
+    # Of 20,000 the variance is known to 1 %.
+    assert found == pytest.approx(1 / (h.integration_time_s * per_s), rel=0.05)
+
+
+def test_time_of_a_frame_at_high_rates_and_of_a_gaussian():
+    """(1 − 1/(12 σ² rate²)) / rate to first order, σ the standard deviation."""
+    sigma_s, rate_hz = 0.003, 2000.0
+    times_s = np.linspace(0, 0.04, 8001)
+    h = ImpulseResponse.table(times_s, np.exp(-((times_s - 0.02) ** 2) / (2 * sigma_s**2)))
+    expected = 1 - 1 / (12 * sigma_s**2 * rate_hz**2)
+    found = omma.photoreceptors.frame_integration_time_s(h, rate_hz) * rate_hz
+    # What is left out is of the order of the square of 1 − expected, 5e-6.
+    assert found == pytest.approx(expected, abs=2e-5)
+
+
 @pytest.mark.parametrize(
     ("name", "species", "factor"),
     [("bumblebee green", "bumblebee", 1.58), ("blowfly", "calliphora", 1.56)],

@@ -12,8 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive, within
 from omma.base.srgb import srgb_of_linear
+from omma.base.warn import warn_caller
 from omma.columns.coordinates import Front, hexals, pq_from_uv, uv_from_pq
 from omma.columns.lattice import Columns, expect_columns
+
+# Share of light above white that is no longer that of some highlights.
+_MUCH_WHITE = 0.05
 
 
 @checked
@@ -148,7 +152,8 @@ def flyvis_movie(
     Args:
         light: (T, M) frames, or (S, T, M) samples of frames: linear light of the columns of one
             eye, as r1_6 of a `PhotoreceptorTable`.
-        white: the light that is white, 1.
+        white: the light that is white, 1: brighter light is white too. As a scene has it, or the
+            brightest that is to be told apart, np.nanmax(light).
         radius, middle, front: as of `to_hexals`.
         fill: grey level, 0 to 1, of hexals without a column, and where light is NaN; None: they
             are an error.
@@ -163,7 +168,11 @@ def flyvis_movie(
         ((1, 4, 1, 721), 0.5)
 
     Raises:
-        omma.Error: as of `to_hexals`, a white or fill out of its range, light that is NaN.
+        omma.Error: as of `to_hexals`, a white or fill out of its range, light that is NaN without
+            fill, or all of it.
+
+    Warns:
+        UserWarning: more than a twentieth of the light is above white.
     """
     expect_columns(columns)
     given = array_of(light, "light")
@@ -173,7 +182,17 @@ def flyvis_movie(
             f"{given.shape}"
         )
     shade = None if fill is None else within(fill, "fill", 0, 1)
-    relative = np.clip(given / positive(white, "white"), 0, 1)
+    if given.size and np.all(np.isnan(given)):
+        raise Error("light: expected numbers, found NaN in all frames and columns")
+    relative = given / positive(white, "white")
+    above = np.mean(relative > 1) if relative.size else 0.0
+    if above > _MUCH_WHITE:
+        warn_caller(
+            f"white: {100 * above:.0f} % of the light is above {white:g} and becomes white, the "
+            f"brightest is {np.nanmax(given):g}",
+            UserWarning,
+        )
+    relative = np.clip(relative, 0, 1)
     made = to_hexals(
         srgb_of_linear(relative)[..., None], columns, radius, middle=middle, front=front, fill=shade
     )

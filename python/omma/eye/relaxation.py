@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from omma._core import Error
 from omma.base.arguments import whole
 from omma.base.arrays import Flags, Floats
 from omma.base.directions import normalized
@@ -52,8 +53,11 @@ def started(
     Raises:
         omma.Error: a number of ommatidia or a seed out of range.
     """
-    if count is not None:
-        whole(count, "count", 2, 200_000)
+    if count is not None and whole(count, "count", 1, 200_000) == 1:
+        raise Error(
+            "count: expected 2 or more, found 1; a single ommatidium is "
+            "omma.Eye([(0, 0, 0)], [(0, 0, -1)], acceptance_angle_rad)"
+        )
     random = np.random.default_rng(whole(seed, "seed", 0, 2**63 - 1))
     tell = progress or (lambda stage, fraction: None)
     tell("placing ommatidia", None)

@@ -43,7 +43,7 @@ def grating_response(
     A high-pass multiplies it by (ωτ_H)²/(1 + (ωτ_H)²). Arrays are broadcast.
 
     Args:
-        contrast: of the grating, (largest - least)/(largest + least).
+        contrast: of the grating, (largest - least)/(largest + least), 0 to 1.
         wavelength_rad: its spatial period.
         frequency_hz: periods a second that pass; above 0 where it drifts from the first ommatidium
             to the second. The velocity is frequency times wavelength.
@@ -69,6 +69,9 @@ def grating_response(
         frequency_hz=frequency_hz,
         separation_rad=separation_rad,
     )
+    beyond = contrasts[~((contrasts >= 0) & (contrasts <= 1))]
+    if len(beyond):
+        raise Error(f"contrast: expected 0 to 1 (not per cent), found {beyond[0]:g}")
     if not np.all(wavelengths > 0):
         raise Error(f"wavelength_rad: expected numbers above 0, found {np.min(wavelengths):g}")
     tau = positive(tau_s, "tau_s")

@@ -1,6 +1,6 @@
 from .adaptation import logarithmic, naka_rushton
 from .events import EVENT, EventSensor, EventState, event_counts
-from .filters import FrameFilter, filter_frames
+from .filters import FrameFilter, filter_frames, frame_integration_time_s
 from .gain_control import VanHaterenSnippe, van_hateren_snippe
 from .impulse_response import ImpulseResponse
 from .microsaccades import displace_axes, microsaccades_rad
@@ -18,6 +18,7 @@ __all__ = [
     "displace_axes",
     "event_counts",
     "filter_frames",
+    "frame_integration_time_s",
     "intrinsic_noise",
     "large_monopolar",
     "logarithmic",
