@@ -99,12 +99,12 @@ def test_a_sphere_is_seen_like_the_sphere():
     radius = 0.03
     scene = surfels(PointCloud(sphere_points(radius), colors=None))
     rng = np.random.default_rng(2)
+    axis = omma.eye.generate_eye(3000).axis
+    eye = omma.Eye(np.zeros((len(axis), 3)), axis, np.zeros(len(axis)))
     for above in (1e-3, 10e-3, 30e-3):
         out = rng.normal(size=(30, 3))
         out /= np.linalg.norm(out, axis=1, keepdims=True)
         poses = np.array([omma.look_at(one * (radius + above), (0, 0, 0)) for one in out])
-        axis = omma.eye.generate_eye(3000).axis
-        eye = omma.Eye(np.zeros((len(axis), 3)), axis, np.zeros(len(axis)))
         found = omma.Renderer(scene, eye, omma.Fixed(1)).ground_truth(poses).distance_m
         # The same rays and the sphere itself: |o + t d| = radius.
         d = np.einsum("pij,nj->pni", poses[:, :3, :3], axis)
