@@ -24,7 +24,7 @@ from omma.base.arguments import whole
 from omma.base.arrays import Flags, Floats
 from omma.base.directions import normalized
 from omma.base.progress import Progress, Stage
-from omma.eye.cells import NEIGHBOURS, cells, nearest, pair_distance_squared
+from omma.eye.cells import NEIGHBOURS, Pairs, cells, nearest
 from omma.eye.nearest import Nearest
 
 _FORCE_POWER = 7
@@ -296,13 +296,14 @@ def _relaxed(
     metric = domain.metric(points) / scale
     for step in range(steps):
         if step % STEPS_PER_SEARCH == 0:
-            near = nearest(points, metric, NEIGHBOURS)
+            pairs = Pairs(nearest(points, metric, NEIGHBOURS))
             bend = _bend(points, domain, metric)
             tell(step / steps)
-        apart = points[:, None, :] - points[near]
-        squared, strength = repulsion(pair_distance_squared(apart, metric, metric[near]))
+        apart = points[:, None, :] - points.take(pairs.near, axis=0)
+        squared, strength = repulsion(pairs.distance_squared(apart, metric))
         force = np.einsum("nkc,nk->nc", apart, strength)
-        force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
+        if bend is not None:
+            force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
         velocity = pushed(velocity, force, _normals(metric))
         speed = np.linalg.norm(np.einsum("nac,nc->na", metric, velocity), axis=1)
         velocity = limited(velocity, speed)
@@ -322,14 +323,14 @@ def _relaxed(
     return points
 
 
-def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats:
+def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats | None:
     """How much the six neighbours of an even lattice are out of balance, as steps in space are not
     straight in the metric: with steps d + Γ(d, d)/2 they would balance, and over six neighbours the
-    Christoffel symbols Γ add up to -1/√g ∂_a(√g g^ak), (N, 3). It is 0 where the metric is the same
-    in all directions."""
+    Christoffel symbols Γ add up to -1/√g ∂_a(√g g^ak), (N, 3). None, for 0, where the metric is the
+    same in all directions."""
     size = np.linalg.norm(metric, axis=2)
     if np.allclose(size[:, 0], size[:, 1], rtol=1e-9):
-        return np.zeros_like(points)
+        return None
     divergence = np.zeros_like(points)
     for along in range(2):
         step = 0.5 * metric[:, along] / size[:, along, None] ** 2
