@@ -48,10 +48,11 @@ class Pairs:
         self._other = near.ravel()[self._alone]
 
     def distance_squared(self, apart: Floats, metric: Floats) -> Floats:
-        """As `pair_distance_squared` of steps (N, K, 3) from each to its near ones, to the bit, for
-        the metric (N, 2, 3) of all points."""
+        """As `pair_distance_squared` of steps (N, K, 3) from each to its near ones, for the metric
+        (N, 2, 3) of all points."""
         here = _squared(np.matmul(apart, metric.transpose(0, 2, 1)))
-        # BLAS adds in this order in products with a vector, of which the lengths there are.
+        # `pair_distance_squared` multiplies vectors there, in which OpenBLAS adds in another order
+        # (found on x86-64 with FMA): taken here too, as where a lattice ends depends on rounding.
         turned = metric[:, :, _VECTOR_ORDER].transpose(0, 2, 1)
         there = _squared(np.matmul(apart[:, :, _VECTOR_ORDER], turned)).ravel().take(self._back)
         steps = apart.reshape(-1, 3).take(self._alone, axis=0)
