@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import omma
+from omma.eye.cells import Pairs, nearest
 from omma.eye.field import sphere_directions
 
 D = np.radians
@@ -166,12 +167,39 @@ def test_a_steep_fovea():
     assert np.degrees(eye.interommatidial_angle_rad().min()) == pytest.approx(0.28, rel=0.1)
 
 
-@pytest.mark.parametrize("count", [2, 3, 7, 50, 601, 700])
-@pytest.mark.parametrize("seen", [None, omma.eye.window((-30, 30), (-40, 40))])
-def test_exactly_as_many(count, seen):
+WINDOW = omma.eye.window((-30, 30), (-40, 40))
+
+
+# All round 700 are made below, where progress is told.
+@pytest.mark.parametrize(
+    ("seen", "count"),
+    [(seen, n) for seen in (None, WINDOW) for n in (2, 3, 7, 50, 601)] + [(WINDOW, 700)],
+)
+def test_exactly_as_many(seen, count):
     lattice = omma.eye.lay_directions(D(5), field_of_view=seen, count=count)
     assert len(np.unique(lattice.directions, axis=0)) == count
     assert seen is None or seen(lattice.directions).all()
+
+
+@pytest.mark.parametrize("count", [5, 400])
+@pytest.mark.parametrize("stretch", [1.0, 1.2, 4.0])
+def test_distances_to_the_nearest_are_those_by_both_metrics(count, stretch):
+    random = np.random.default_rng(count)
+    points = random.standard_normal((count, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    # As wide as the lattice is here, and so much wider to the side; from place to place by a half.
+    up = 3.8 / np.sqrt(count) * (1 + 0.25 * points[:, :1])
+    metric = omma.eye.lattice.metric_of(points, np.concatenate([stretch * up, up], axis=1))
+    apart = points[:, None] - points
+    tensor = np.einsum("nai,naj->nij", metric, metric)
+    squared = np.sqrt(
+        np.einsum("nki,nij,nkj->nk", apart, tensor, apart)
+        * np.einsum("nki,kij,nkj->nk", apart, tensor, apart)
+    )
+    near = nearest(points, metric, 18)
+    found = Pairs(near).distance_squared(points[:, None] - points[near], metric)
+    # Some are near each other, some one the other only. Rounding, of sums of three.
+    np.testing.assert_allclose(found, np.take_along_axis(squared, near, axis=1), rtol=1e-12)
 
 
 def test_a_seed_repeats_and_another_does_not():
@@ -187,7 +215,10 @@ def test_a_seed_repeats_and_another_does_not():
 
 def test_progress_is_told_and_can_stop():
     told = []
-    omma.eye.lay_directions(D(6), count=700, progress=lambda stage, fraction: told.append(fraction))
+    lattice = omma.eye.lay_directions(
+        D(5), count=700, progress=lambda stage, fraction: told.append(fraction)
+    )
+    assert len(np.unique(lattice.directions, axis=0)) == 700
     fractions = [fraction for fraction in told if fraction is not None]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1
@@ -197,7 +228,7 @@ def test_progress_is_told_and_can_stop():
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        omma.eye.lay_directions(D(6), count=700, progress=stop)
+        omma.eye.lay_directions(D(6), count=50, progress=stop)
 
 
 def test_check_sees_what_is_wrong(lattices):

@@ -21,9 +21,48 @@ def pair_distance_squared(apart: Floats, own: Floats, other: Floats) -> Floats:
     """Squared metric length (N, K) of steps (N, K, 3) from points of metric ``own`` (N, 2, 3) to
     others of metric ``other`` (N, K, 2, 3): the geometric mean of what both say, which is close to
     the integral between them."""
-    here = np.sum(np.matmul(apart, own.transpose(0, 2, 1)) ** 2, axis=2)
-    there = np.sum(np.matmul(other, apart[..., None])[..., 0] ** 2, axis=2)
-    return np.asarray(np.sqrt(here * there))
+    here = _squared(np.matmul(apart, own.transpose(0, 2, 1)))
+    return np.asarray(np.sqrt(here * _squared(np.matmul(other, apart[..., None])[..., 0])))
+
+
+def _squared(lengths: Floats) -> Floats:
+    # Of both components (..., 2); a sum along so short an axis is slow.
+    lengths *= lengths
+    return np.asarray(lengths[..., 0] + lengths[..., 1])
+
+
+class Pairs:
+    """Each point with those ``near`` it (N, K), for who measures between them again and again. Most
+    are near each other: what the other's metric says of a step is what it says of its own back."""
+
+    def __init__(self, near: Ints) -> None:
+        count, width = near.shape
+        rows = np.arange(count)[:, None]
+        self.near = near
+        order = np.argsort(near, axis=1)
+        key = (rows * count + np.take_along_axis(near, order, axis=1)).ravel()
+        back = (near * count + rows).ravel()
+        place = np.minimum(np.searchsorted(key, back), len(key) - 1)
+        self._back = (rows * width + order).ravel()[place]
+        self._alone = np.flatnonzero(key[place] != back)
+        self._other = near.ravel()[self._alone]
+
+    def distance_squared(self, apart: Floats, metric: Floats) -> Floats:
+        """As `pair_distance_squared` of steps (N, K, 3) from each to its near ones, for the metric
+        (N, 2, 3) of all points."""
+        here = _squared(np.matmul(apart, metric.transpose(0, 2, 1)))
+        # `pair_distance_squared` multiplies vectors there, in which OpenBLAS adds in another order
+        # (found on x86-64 with FMA): taken here too, as where a lattice ends depends on rounding.
+        turned = metric[:, :, _VECTOR_ORDER].transpose(0, 2, 1)
+        there = _squared(np.matmul(apart[:, :, _VECTOR_ORDER], turned)).ravel().take(self._back)
+        steps = apart.reshape(-1, 3).take(self._alone, axis=0)
+        alone = np.matmul(metric.take(self._other, axis=0), steps[:, :, None])[..., 0]
+        there[self._alone] = _squared(alone)
+        here *= there.reshape(here.shape)
+        return np.asarray(np.sqrt(here, out=here))
+
+
+_VECTOR_ORDER = [1, 0, 2]
 
 
 def nearest(points: Floats, metric: Floats, count: int) -> Ints:
@@ -36,6 +75,14 @@ def nearest(points: Floats, metric: Floats, count: int) -> Ints:
     stretch = size.max(axis=1) / size.min(axis=1)
     found = np.empty((len(points), count), dtype=np.int64)
     tree = cKDTree(points)
+    if stretch.max() < 1.5:
+        near = tree.query(points, min(len(points), 1 + math.ceil(1.3 * count * 1.5)))[1]
+        near = near.reshape(len(points), -1)
+        apart = points[:, None, :] - points.take(near, axis=0)
+        length = Pairs(near).distance_squared(apart, metric)
+        length[near == np.arange(len(points))[:, None]] = np.inf
+        chosen = np.argpartition(length, count - 1, axis=1)[:, :count]
+        return np.take_along_axis(near, chosen, axis=1)
     for low, high in ((1.0, 1.5), (1.5, 3.0), (3.0, 6.0), (6.0, np.inf)):
         group = np.flatnonzero((stretch >= low) & (stretch < high))
         looked = min(len(points), 1 + math.ceil(1.3 * count * min(high, 12.0)))

@@ -95,6 +95,7 @@ class SphereCells:
         self._horizontal, self._vertical = horizontal, vertical
         self._field_of_view = field_of_view
         self.scale = 1.0
+        self._asked, self._seen = np.empty((0, 3)), np.empty(0, bool)
         corner, size, face = _base_cells()
         middle, solid_angle = _cell_middle(corner, size, face)
         inside = self.sees(middle)
@@ -140,12 +141,16 @@ class SphereCells:
         """Which directions (K, 3) are in the field of view."""
         if self._field_of_view is None:
             return np.ones(len(directions), bool)
+        # Asked for by the metric and the distance outside, one after the other.
+        if np.array_equal(directions, self._asked):
+            return self._seen
         seen = np.asarray(self._field_of_view(directions))
         if seen.shape != (len(directions),) or seen.dtype != np.bool_:
             raise Error(
                 f"field_of_view: expected truth values of shape ({len(directions)},), found "
                 f"{seen.dtype} of shape {seen.shape}"
             )
+        self._asked, self._seen = directions.copy(), seen.copy()
         return seen
 
     def angles(self, directions: Floats) -> Floats:

@@ -25,7 +25,7 @@ from omma.base.arguments import whole
 from omma.base.arrays import Flags, Floats
 from omma.base.directions import normalized
 from omma.base.progress import Progress, Stage
-from omma.eye.cells import NEIGHBOURS, cells, nearest, pair_distance_squared
+from omma.eye.cells import NEIGHBOURS, Pairs, cells, nearest
 from omma.eye.nearest import Nearest
 
 _FORCE_POWER = 7
@@ -70,15 +70,15 @@ class Domain:
 
     ``onto`` moves points (K, 3) near the surface onto it. ``metric`` gives (K, 2, 3): two vectors
     along the surface at right angles, whose products with a step are its lengths along them in
-    units of the spacing wanted. ``outside`` is the metric distance (K,) outside of where points
-    are wanted, 0 within; None where they are wanted all over a closed surface. ``samples`` (S, 3)
-    cover the surface, at least as far as points may go, each for its ``fraction`` (S,) of the
-    number of points wanted.
+    units of the spacing wanted. ``outside``, of points and the metric there, or None where that is
+    not known yet, is the metric distance (K,) outside of where points are wanted, 0 within; it is
+    None where they are wanted all over a closed surface. ``samples`` (S, 3) cover the surface, at
+    least as far as points may go, each for its ``fraction`` (S,) of the number of points wanted.
     """
 
     onto: Callable[[Floats], Floats]
     metric: Callable[[Floats], Floats]
-    outside: Callable[[Floats], Floats] | None
+    outside: Callable[[Floats, Floats | None], Floats] | None
     samples: Floats
     fraction: Floats
 
@@ -116,13 +116,15 @@ class Region:
         self._inside = nearest_inside or Nearest(samples[inside])
         self._hidden = Nearest(samples[~inside])
 
-    def outside(self, points: Floats) -> Floats:
-        """Metric distance (K,) outside of it, 0 in it."""
+    def outside(self, points: Floats, metric: Floats | None = None) -> Floats:
+        """Metric distance (K,) outside of it, 0 in it; ``metric`` is that at the points, where it
+        is known already."""
         distance = np.zeros(len(points))
         hidden = np.flatnonzero(~self._sees(points))
         if len(hidden):
             near = self._inside.points[self._inside(points[hidden])]
-            distance[hidden] = self._length(points[hidden], near)
+            known = None if metric is None else metric[hidden]
+            distance[hidden] = self._length(points[hidden], near, known)
         return distance
 
     def deepest(self, points: Floats, count: int) -> Floats:
@@ -138,8 +140,9 @@ class Region:
             points[moved] = self._inside.points[self._inside(points[moved])]
         return points
 
-    def _length(self, start: Floats, end: Floats) -> Floats:
-        step = np.einsum("nac,nc->na", self._metric(start), end - start)
+    def _length(self, start: Floats, end: Floats, metric: Floats | None = None) -> Floats:
+        metric = self._metric(start) if metric is None else metric
+        step = np.einsum("nac,nc->na", metric, end - start)
         return np.asarray(np.linalg.norm(step, axis=1))
 
 
@@ -159,7 +162,7 @@ def grown(domain: Domain, count: int, random: np.random.Generator, tell: Progres
         scale = 2.0 ** (doublings - level)
         points = _refined(domain, points, scale)
         if domain.outside is not None:
-            points = points[domain.outside(points) <= (MARGIN + _HALF_ROW) * scale]
+            points = points[domain.outside(points, None) <= (MARGIN + _HALF_ROW) * scale]
         points = _relaxed(domain, points, scale, _STEPS, _SHAKE, random, stage(level))
     if len(points) < count or (domain.outside is None and len(points) > count):
         change = _thinned if len(points) > count else _filled
@@ -183,7 +186,7 @@ def _coarse(
         number = math.ceil((count - 2) / scale**2) + 2 if scale > 1 else count
         seeds = bisected(domain.samples, fraction, number)
         return _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
-    within = domain.outside(domain.samples) <= MARGIN * scale
+    within = domain.outside(domain.samples, None) <= MARGIN * scale
     total = float(fraction[within].sum())
     # Points on the wall have half of their cells outside; around a disc these are so many.
     number = max(2, round(total + 1.9 * math.sqrt(total)))
@@ -209,7 +212,7 @@ def _spacing(domain: Domain, points: Floats, scale: float) -> float:
     # Median metric distance of neighbours where they are wanted.
     net = cells(points, domain.metric(points) / scale)
     assert domain.outside is not None
-    distance = net.distance[(domain.outside(points) == 0)[:, None] & net.is_neighbour]
+    distance = net.distance[(domain.outside(points, None) == 0)[:, None] & net.is_neighbour]
     return float(np.median(distance)) if len(distance) else 1.0
 
 
@@ -297,16 +300,18 @@ def _relaxed(
     # Points (N, 3) after so many steps of repulsion at `scale` times the spacing. `shake` is the
     # size of a random step at the start, in spacings; it falls to 0 over two thirds of the steps.
     velocity = np.zeros_like(points)
-    metric = domain.metric(points) / scale
+    here = domain.metric(points)
+    metric = here / scale
     for step in range(steps):
         if step % STEPS_PER_SEARCH == 0:
-            near = nearest(points, metric, NEIGHBOURS)
+            pairs = Pairs(nearest(points, metric, NEIGHBOURS))
             bend = _bend(points, domain, metric)
             tell(step / steps)
-        apart = points[:, None, :] - points[near]
-        squared, strength = repulsion(pair_distance_squared(apart, metric, metric[near]))
+        apart = points[:, None, :] - points.take(pairs.near, axis=0)
+        squared, strength = repulsion(pairs.distance_squared(apart, metric))
         force = np.einsum("nkc,nk->nc", apart, strength)
-        force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
+        if bend is not None:
+            force += 0.25 * np.sum(squared * strength, axis=1, keepdims=True) * bend
         velocity = pushed(velocity, force, _normals(metric))
         speed = np.linalg.norm(np.einsum("nac,nc->na", metric, velocity), axis=1)
         velocity = limited(velocity, speed)
@@ -318,22 +323,23 @@ def _relaxed(
             jump = amount * random.standard_normal((len(points), 2))
             move = velocity + np.einsum("nac,na->nc", stretch, jump)
         moved = domain.onto(points + move)
+        there = domain.metric(moved)
         if domain.outside is not None:
-            stays = domain.outside(moved) > MARGIN * scale
-            moved[stays], velocity[stays] = points[stays], 0
-        points = moved
-        metric = domain.metric(points) / scale
+            stays = domain.outside(moved, there) > MARGIN * scale
+            moved[stays], there[stays], velocity[stays] = points[stays], here[stays], 0
+        points, here = moved, there
+        metric = here / scale
     return points
 
 
-def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats:
+def _bend(points: Floats, domain: Domain, metric: Floats) -> Floats | None:
     """How much the six neighbours of an even lattice are out of balance, as steps in space are not
     straight in the metric: with steps d + Γ(d, d)/2 they would balance, and over six neighbours the
-    Christoffel symbols Γ add up to -1/√g ∂_a(√g g^ak), (N, 3). It is 0 where the metric is the same
-    in all directions."""
+    Christoffel symbols Γ add up to -1/√g ∂_a(√g g^ak), (N, 3). None, for 0, where the metric is the
+    same in all directions."""
     size = np.linalg.norm(metric, axis=2)
     if np.allclose(size[:, 0], size[:, 1], rtol=1e-9):
-        return np.zeros_like(points)
+        return None
     divergence = np.zeros_like(points)
     for along in range(2):
         step = 0.5 * metric[:, along] / size[:, along, None] ** 2
