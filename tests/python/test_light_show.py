@@ -164,6 +164,10 @@ def test_neutral_points_have_names_where_these_belong():
     # Babinet's lies beyond the zenith; Arago's is below the horizon.
     assert names(high)[-1] == "Babinet"
     assert "Arago" not in names(high)
+    # The sun that has set.
+    for set_sky in (omma.light.clear_sky(-3, bands=few), omma.light.natural_sky(-7, bands=few)):
+        assert names(set_sky) == names(set_sky.turned(40)) == ["Babinet", "Arago"]
+    assert names(omma.light.natural_sky(-40, bands=few)) == []
     # The edge of Snell's window is none of the sky's own.
     for water in (omma.light.under_water(low, 3, "3C"), omma.light.under_water(high, 1).turned(9)):
         assert set(names(water)) <= {""}

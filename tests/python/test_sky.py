@@ -392,3 +392,26 @@ def test_twilight_is_smooth_at_the_zenith(sun_deg, height_m):
     polarised = np.hypot(q, u) / intensity
     assert (np.ptp(polarised, axis=0) < 0.13).all()
     assert (polarised > 0.3).all()
+
+
+@pytest.mark.parametrize("sun_deg", [-3.0, -5.0, -6.5, -8.0])
+def test_polarisation_at_the_zenith_of_a_twilight_has_no_star(sun_deg):
+    """By an axis that does not turn with the azimuth (Q + iU)/I has parts e^ina that go with the
+    power |n| of the distance θ: those of |n| ≥ 3, some hundredths at 30°, are below
+    0.05 (2/30)³ = 1.5e-5 at 2°; splines between nodes of 10° leave some 1e-3 of them."""
+    azimuth = np.radians(np.arange(0, 360, 15))
+    for beside_deg in (0.5, 2.0):
+        beside = np.radians(beside_deg)
+        ring = np.column_stack(
+            [np.sin(beside) * np.sin(azimuth), np.full(azimuth.size, np.cos(beside)),
+             -np.sin(beside) * np.cos(azimuth)]
+        )  # fmt: skip
+        bands = omma.light.Bands.from_edges([440, 450, 600, 610])
+        intensity, q, u = np.moveaxis(
+            omma.light.clear_sky(sun_deg, bands=bands).radiance(ring), 1, 0
+        )
+        world = (q + 1j * u) / intensity * np.exp(-2j * azimuth)[:, None]
+        parts = np.abs(np.fft.fft(world, axis=0)) / len(azimuth)
+        order = np.abs(np.fft.fftfreq(len(azimuth), 1 / len(azimuth)))
+        assert parts[order == 0].min() > 0.2
+        assert parts[order >= 3].max() < 0.002

@@ -19,6 +19,7 @@ from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.light.lights import Light, is_made_by, is_under_water
+from omma.light.sky_tables import LOWEST_SUN_DEG
 from omma.picture.light_titles import light_title
 
 _PIXELS = 301  # across a sky
@@ -77,18 +78,18 @@ def plot_sky(
 
 
 def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
-    """Neutral points on the meridian of the first disc, above the horizon: names and directions
-    (3,). Within 45° above the sun it is Babinet's, below it Brewster's, above the point opposite
-    Arago's; elsewhere, and under water, where the surface polarises too, "".
+    """Neutral points on the meridian of the first disc, or of the sun that has set, above the
+    horizon: names and directions (3,). Within 45° above the sun it is Babinet's, below it
+    Brewster's, above the point opposite Arago's; elsewhere, and under water, where the surface
+    polarises too, "".
 
     A sky that is no longer as it was made may have clouds, in which polarisation is too weak to
     have a neutral point that anyone could see, though it still changes its sign there.
     """
-    if light.sky is None or light.sky.shape[3] == 1 or not light.discs:
+    place = _sun_of(light)
+    if light.sky is None or light.sky.shape[3] == 1 or place is None:
         return []
-    (azimuth,), (sun,) = (
-        np.atleast_1d(a) for a in azimuth_elevation_deg_of(light.discs[0].direction)
-    )
+    azimuth, sun = place
     # From the horizon below the sun over the zenith to the horizon opposite.
     arc = np.linspace(0.25, 179.75, 719)
     along = np.where(
@@ -99,7 +100,10 @@ def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
     with np.errstate(divide="ignore", invalid="ignore"):
         degree = np.hypot(q, stokes[:, 2]) / stokes[:, 0]
     is_submerged = is_under_water(light)
-    is_changed = light.recipe is None or is_submerged or is_made_by(light, "clouded", "plus")
+    # The light of a night hides that of a twilight that fades.
+    is_night = sun < LOWEST_SUN_DEG
+    is_mixed = is_submerged or is_night or is_made_by(light, "clouded", "plus")
+    is_changed = light.recipe is None or is_mixed
     reach = round(_AROUND_DEG / (arc[1] - arc[0]))
     found = []
     for k in np.flatnonzero(q[:-1] * q[1:] < 0):
@@ -107,10 +111,28 @@ def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
         if is_changed and not min(beside) >= _LEAST_AROUND:
             continue
         at = arc[k] + (arc[k + 1] - arc[k]) * q[k] / (q[k] - q[k + 1])
-        name = "" if is_submerged else _name(at - float(sun), 180 + float(sun) - at)
+        name = "" if is_submerged else _name(at - sun, 180 + sun - at)
         towards = direction(azimuth, at) if at <= 90 else direction(azimuth + 180, 180 - at)
         found.append((name, np.asarray(towards)))
     return found
+
+
+def _sun_of(light: Light) -> tuple[float, float] | None:
+    """Azimuth and elevation, degrees, of the first disc, or of the sun below the horizon of a sky
+    that was made for one; None: there is none."""
+    if light.discs:
+        azimuth, elevation = azimuth_elevation_deg_of(light.discs[0].direction)
+        return float(azimuth), float(elevation)
+    if light.recipe is None:
+        return None
+    name, arguments = light.recipe
+    if name in ("clear_sky", "natural_sky"):
+        return float(arguments.get("sun_azimuth_deg", 0)), float(arguments["sun_elevation_deg"])
+    within = arguments.get("light")
+    place = _sun_of(within) if isinstance(within, Light) else None
+    if place is None or name != "turned":
+        return place
+    return place[0] + float(arguments["azimuth_deg"]), place[1]
 
 
 def _name(from_sun_deg: float, from_antisun_deg: float) -> str:
