@@ -110,6 +110,14 @@ GroundOption = Annotated[
         "NAME",
     ),
 ]
+LostOption = Annotated[
+    str,
+    option(
+        "With --on-ground: what becomes of lines of the track in which a number is missing, "
+        "as trackers write where they lost the animal: refuse or leave_out.",
+        "WORD",
+    ),
+]
 ThreadsOption = Annotated[int, option("Threads; 0: all.", "N")]
 
 BackgroundOption = Annotated[
