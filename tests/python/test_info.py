@@ -105,3 +105,75 @@ def test_places_far_from_the_origin_keep_their_centimetres(omma_command, tmp_pat
     html = omma.load_scene(tmp_path / "plot.obj", up="z")._repr_html_()
     assert "456789.12, 99, -5432110 to 456799, 101.25, -5432100 m" in html
     assert place_words((0.123456, -12.3456, 100.0)) == "(0.1235, -12.35, 100)"
+
+
+def said(omma_command, path):
+    """What `omma info` says of a file, by the first word of its lines."""
+    code, out, err = omma_command("info", path)
+    assert (code, err) == (0, "")
+    return dict(re.split(r"  +", line, maxsplit=1) for line in out.splitlines())
+
+
+def test_info_of_a_track(omma_command, tmp_path):
+    path = tmp_path / "track.csv"
+    path.write_text("t_s,x_m,z_m\n0,0,0\n0.5,3,4\n0.75,nan,\n1,3,6\n")
+    found = said(omma_command, path)
+    assert found["track"] == str(path)
+    assert found["positions"] == "3"
+    assert found["duration"] == "1 s, from 0 to 1 s, a position each 0.5 s, median (0.5 to 0.5 s)"
+    assert found["bounds"] == "(0, 0) to (3, 6) m, x and z"
+    assert found["extent"] == "3 x 6 m"
+    assert found["way"] == "7 m, 7 m/s in the mean"
+    assert found["heading"] == "along the way"
+    assert "left out 1 of 4 positions" in found["warning"]
+    path.write_text("x_m;z_m;heading_deg\n1,5;0;20\n")
+    found = said(omma_command, path)
+    assert found["duration"] == "not told: no column t_s"
+    assert found["heading"] == "told, heading_deg"
+
+
+def test_info_of_poses(omma_command, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,2,90,0,0\n0,1,5,90,0,0\n")
+    found = said(omma_command, path)
+    assert found["poses"] == str(path)
+    assert found["number"] == "2"
+    assert found["bounds"] == "(0, 1, 2) to (0, 1, 5) m"
+    assert (found["extent"], found["way"]) == ("0 x 0 x 3 m", "3 m")
+    # What is wrong in them is told as of poses.
+    path.write_text("x,y,z,qx,qy,qz,qw\n0,1,2,0,0,0,0\n")
+    code, _, err = omma_command("info", path)
+    assert code != 0
+    assert "poses.csv, line 2: the quaternion has length 0" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("wl,white,red\n300,5,3\n500,70,4\n700,72,61\n", "per cent, as the values look"),
+        ("wl,white %,red %\n300,.1,.3\n500,.2,.4\n700,.2,.6\n", "per cent, as the file says"),
+        ("300 0.5 0.3\n500 0.7 0.4\n700 0.72 0.6\n", "fractions, as the values look"),
+        ("nm\tsun\tsky\n300\t1e14\t1\n500\t2\t3\n700\t2\t3\n", "neither fractions nor per cent"),
+    ],
+)
+def test_info_of_spectra(omma_command, tmp_path, text, unit):
+    path = tmp_path / "petals.csv"
+    path.write_text(text)
+    found = said(omma_command, path)
+    assert found["spectra"] == str(path)
+    assert found["number"].startswith("2: ")
+    assert found["wavelengths"] == "300 to 700 nm, 3 of them, one each 200 nm"
+    assert found["unit"].startswith(unit)
+
+
+def test_info_of_tables_of_something_else(omma_command, tmp_path):
+    path = tmp_path / "other.csv"
+    path.write_text("a,b\n1,2\n")
+    code, _, err = omma_command("info", path)
+    assert code != 0
+    for words in ("azimuth_deg", "x_m, z_m", "yaw_deg", "wavelengths in nm", "found 'a, b'"):
+        assert words in err
+    (tmp_path / "track.csv").write_text("x_m,z_m\n1,2\n")
+    code, _, err = omma_command("info", tmp_path / "track.csv", "--unit", "mm")
+    assert code != 0
+    assert "--unit: expected none" in err

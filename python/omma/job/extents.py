@@ -22,7 +22,7 @@ def describe_extent(size_m: NDArray[np.floating]) -> str:
     were in millimetres or had +Z up."""
     x, y, z = (float(one) for one in size_m)
     longest = max(x, y, z)
-    text = f"{x:.4g} x {y:.4g} x {z:.4g} m, as of {_word(longest)}"
+    text = f"{size_words(size_m)}, as of {_word(longest)}"
     if longest > _ODD_M:
         small = longest / 1000
         text += f"; if it is in millimetres, {small:.4g} m, as of {_word(small)} "
@@ -30,6 +30,11 @@ def describe_extent(size_m: NDArray[np.floating]) -> str:
     if z * _FLAT < min(x, y):
         text += "; it is flat along z, as if +Z were up (--up z; --scene-up z of a render)"
     return text
+
+
+def size_words(size_m: NDArray[np.floating]) -> str:
+    """Lengths, m, along the axes."""
+    return " x ".join(f"{float(one):.4g}" for one in size_m) + " m"
 
 
 def _word(length_m: float) -> str:

@@ -19,6 +19,7 @@ from omma.job.picture_info import describe_picture, is_picture_file
 from omma.job.places import place_words
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
+from omma.job.tables_info import describe_table
 from omma.scene.capture_cameras import is_capture
 from omma.scene.device_list import devices
 from omma.scene.files import read_scene
@@ -64,8 +65,8 @@ def describe_file(
     *,
     voxel_m: float | None = None,
 ) -> Lines:
-    """What is in a file of a scene, points, splats, cameras of a capture, an eye, a picture or
-    responses.
+    """What is in a file of a scene, points, splats, cameras of a capture, an eye, a picture, a
+    track, poses, spectra or responses.
 
     ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
     ``up`` what is up in these; ``voxel_m`` is the side of the cells of a grid, by which points of a
@@ -99,6 +100,11 @@ def describe_file(
         return lines
     if up is not None:
         raise Error(f"up: expected none, as {os.fsdecode(path)} is no file of a scene")
+    table = describe_table(path)
+    if table is not None:
+        if unit is not None:
+            raise Error(f"unit: expected none, as {os.fsdecode(path)} says its units")
+        return table
     return describe_eye(load_eye(path, "mm" if unit is None else unit))
 
 
