@@ -137,8 +137,8 @@ def _spectra(name: str) -> Lines:
         ("number", f"{len(names):,}: {', '.join(names[:_NAMED])}{more}"),
         (
             "wavelengths",
-            f"{wavelengths[0]:.6g} to {wavelengths[-1]:.6g} nm, {len(wavelengths):,} of them, one each "
-            f"{every}",
+            f"{wavelengths[0]:.6g} to {wavelengths[-1]:.6g} nm, {len(wavelengths):,} of them, one "
+            f"each {every}",
         ),
         ("values", f"{values.min():.4g} to {values.max():.4g}"),
         ("unit", _unit(name, float(values.max()))),
