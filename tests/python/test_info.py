@@ -8,6 +8,7 @@ from conftest import make_eye
 from PIL import Image
 
 import omma
+from omma.job.extents import describe_extent, size_words
 from omma.job.places import place_words
 
 
@@ -177,3 +178,59 @@ def test_info_of_tables_of_something_else(omma_command, tmp_path):
     code, _, err = omma_command("info", tmp_path / "track.csv", "--unit", "mm")
     assert code != 0
     assert "--unit: expected none" in err
+
+
+def test_sizes_are_told_in_words():
+    flat = describe_extent(np.array([50_000.0, 40_000.0, 900.0]))
+    assert flat.startswith("5e+04 x 4e+04 x 900 m, as of a region; if it is in millimetres, 50 m")
+    assert flat.endswith("it is flat along z, as if +Z were up (--up z; --scene-up z of a render)")
+    plot = describe_extent(np.array([4.0, 0.3, 5.0]))
+    assert plot == "4 x 0.3 x 5 m, as of a tree, a room or a plot"
+    # What is rounding of the largest length is 0.
+    assert size_words(np.array([6, 2e-16, 7e-9])) == "6 x 0 x 7e-09 m"
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "hint"),
+    [
+        # Meshes and points that do not say their unit, and glTF, which should be in metres.
+        ("leaf.obj", 40, "if it is in millimetres, 0.04 m, as of an insect or a leaf"),
+        ("leaf.obj", 20, ""),
+        ("plant.xyz", 400, "if it is in millimetres, 0.4 m, as of a thing on a table"),
+        ("plant.xyz", 200, ""),
+        ("room.glb", 4000, "if it is in millimetres, 4 m, as of a tree, a room or a plot"),
+        ("room.glb", 400, ""),
+    ],
+)
+def test_what_may_be_in_millimetres_is_told(omma_command, tmp_path, name, size, hint):
+    path = tmp_path / name
+    corners = size * np.array([(0, 0, 0), (1, 0, 0), (1, 1, 1), (0, 1, 1.0)])
+    if name.endswith(".obj"):
+        lines = [f"v {x} {y} {z}" for x, y, z in corners]
+        path.write_text("\n".join([*lines, "f 1 2 3 4"]))
+        pytest.importorskip("trimesh")
+    elif name.endswith(".xyz"):
+        path.write_text("\n".join(f"{x} {y} {z}" for x, y, z in corners))
+    else:
+        omma.scene.save_scene(path, omma.scene.box((size,) * 3))
+    found = said(omma_command, path)["extent"]
+    assert hint in found
+    assert ("in millimetres" in found) == bool(hint)
+    code, out, _ = omma_command("info", path, "--unit", "mm")
+    assert code == 0
+    assert "in millimetres" not in out
+
+
+def test_a_picture_plane_does_not_lie_on_its_side(omma_command, tmp_path):
+    """Flat along z: cards of a glTF file, in which +Y is up, stand; ground with +Z up lies."""
+    card = omma.scene.box((4, 3, 0.01), center_m=(0, 1, -2))
+    omma.scene.save_scene(tmp_path / "card.glb", card)
+    assert "flat" not in said(omma_command, tmp_path / "card.glb")["extent"]
+    ground = omma.scene.box((40, 30, 3))
+    omma.scene.save_scene(tmp_path / "ground.glb", ground)
+    assert "flat along z" in said(omma_command, tmp_path / "ground.glb")["extent"]
+    seen = ground.replace(
+        cameras=[omma.scene.Camera("eye", world_from_camera=omma.look_at((0, 1, 9), (0, 1, 0)))]
+    )
+    omma.scene.save_scene(tmp_path / "seen.glb", seen)
+    assert "flat" not in said(omma_command, tmp_path / "seen.glb")["extent"]

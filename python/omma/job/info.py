@@ -14,7 +14,7 @@ from omma.base.files import PathLike
 from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.capture_info import describe_capture
-from omma.job.extents import describe_extent
+from omma.job.extents import describe_scene_extent
 from omma.job.picture_info import describe_picture, is_picture_file
 from omma.job.places import place_words
 from omma.job.points_info import describe_points
@@ -85,12 +85,15 @@ def describe_file(
     if is_picture_file(path):
         return describe_picture(path)
     if is_points:
-        name, metres = os.fsdecode(path), "m" if unit is None else unit
-        return describe_points(name, metres, up, progress, voxel_m=voxel_m)
+        name = os.fsdecode(path)
+        return describe_points(name, unit, up, progress, voxel_m=voxel_m)
     if Path(os.fsdecode(path)).suffix.lower() in (*MESH_FILES, *SPLAT_FILES):
-        return describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
+        return describe_scene(
+            read_scene(path, unit=unit, up=up, progress=progress), unit_is_told=unit is not None
+        )
     if is_scene_file(path):
-        lines = describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
+        scene = read_scene(path, unit=unit, up=up, progress=progress)
+        lines = describe_scene(scene, unit_is_told=unit is not None)
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
         heads = eye_file_heads(path)
         if len(heads) == 1:
@@ -108,7 +111,7 @@ def describe_file(
     return describe_eye(load_eye(path, "mm" if unit is None else unit))
 
 
-def describe_scene(scene: Scene) -> Lines:
+def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
     """Counts, size, background, cameras and warnings of a scene."""
     lines = [
         ("scene", scene.path or "in memory"),
@@ -125,7 +128,8 @@ def describe_scene(scene: Scene) -> Lines:
         lines.append(("bounds", "empty: nothing but background"))
     else:
         lines.append(("bounds", f"{place_words(bounds[0])} to {place_words(bounds[1])} m"))
-        lines.append(("extent", describe_extent(bounds[1] - bounds[0])))
+        size_m = bounds[1] - bounds[0]
+        lines.append(("extent", describe_scene_extent(scene, size_m, unit_is_told)))
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
     lines.append(("background", background.type.replace("_", " ") + color))
