@@ -1,6 +1,8 @@
 """Ground truth beside responses, as Python asks for it: against formulas that NumPy computes, on
 both backends, in unlit, lit and baked worlds."""
 
+import warnings
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -296,6 +298,16 @@ def test_velocities_of_a_path():
     poses[:, :3, :3] = turns.as_matrix()
     after = (slerp(0.5 + 1e-5) * slerp(0.5).inv()).as_rotvec() / 1e-5
     assert_allclose(omma.velocities_from_poses(poses, [0, 1, 3])[1][0], after, rtol=1e-4)
+
+
+def test_half_a_turn_may_go_either_way():
+    still = omma.poses_from_angles((0, 0, 0), [(0, 0, 0), (90, 0, 0), (270, 0, 0), (91, 0, 0)])
+    with pytest.warns(UserWarning, match="half a turn from pose 1 to pose 2, which"):
+        omma.velocities_from_poses(still, [0, 1, 2, 3])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.velocities_from_poses(still[[0, 1, 3]], [0, 1, 2])
+        omma.velocities_from_poses(still[2:], [0, 1])
 
 
 @pytest.mark.parametrize(
