@@ -240,6 +240,8 @@ def test_pixels_that_are_no_radiance_are_refused():
         for see in (view.see, lambda one: omma.rendering.see_panorama(one, eye)):
             with pytest.raises(omma.Error, match=f"pictures: .*{told}"):
                 see(wrong)
+    with pytest.raises(omma.Error, match="pictures: expected shape"):
+        view.see(np.inf)
     wrong[3, 4, 1] = wrong[5, 6, 0] = -1
     with pytest.raises(omma.Error, match=r"image: .*pixel \(3, 4\)"):
         omma.light.panorama(wrong, ultraviolet="dark")

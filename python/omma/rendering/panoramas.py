@@ -116,16 +116,16 @@ class PanoramaView:
             UserWarning: floats that look like a picture in 8 bits, with white at 255.
         """
         given = np.asarray(pictures)
-        if given.dtype.kind == "f":
-            check_radiance(
-                given, "pictures", "; PanoramaView.weights @ pixels takes differences, and Q and U"
-            )
-            warn_of_bytes(given, "pictures")
         shape = self.layout.shape
         bands_at = given.ndim - 1 - len(shape)
         if bands_at < 0 or given.shape[bands_at:-1] != shape:
             wanted = ", ".join(map(str, shape))
             raise Error(f"pictures: expected shape (..., {wanted}, bands), found {given.shape}")
+        if given.dtype.kind == "f":
+            check_radiance(
+                given, "pictures", "; PanoramaView.weights @ pixels takes differences, and Q and U"
+            )
+            warn_of_bytes(given, "pictures")
         several, bands = given.shape[:bands_at], given.shape[-1]
         flat = given.reshape(-1, self._matrix.shape[1], bands)
         seen = np.empty((len(flat), self._matrix.shape[0], bands), np.float32)
