@@ -288,10 +288,12 @@ def test_targets_that_few_rays_meet():
 
 def test_too_few_rays_are_told():
     eye, target = bee(), DiscTarget(0.03, 0.4, 0.1)
-    few = omma.detect(eye, target, BRIGHT, sampling=omma.Fixed(16))
+    with pytest.warns(UserWarning, match=r"sampling: of 8 x 16 rays too few .*omma\.Fixed\(128\)"):
+        few = omma.detect(eye, target, BRIGHT, sampling=omma.Fixed(16))
     assert few.standard_error_m == math.inf
     # At 500 m it fills a millionth of the acceptance, and none of 128 rays meets it.
-    far = omma.detect(eye, target, BRIGHT, between_m=(500, 1000), sampling=omma.Fixed(16))
+    with pytest.warns(UserWarning, match=r"sampling: .* 0 m is off"):
+        far = omma.detect(eye, target, BRIGHT, between_m=(500, 1000), sampling=omma.Fixed(16))
     assert (far.distance_m, far.standard_error_m) == (0, math.inf)
 
 
