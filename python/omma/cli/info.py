@@ -56,7 +56,7 @@ def info(
         Path | None,
         typer.Argument(
             help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz, "
-            ".pts), Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, "
+            ".pts, .asc), Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, "
             "transforms.json, cameras.json), an eye (.eye, .csv), a picture (.png, .jpg, "
             ".webp, .hdr, .exr), a track, poses or spectra (.csv, .txt), or responses (.zarr, .nc, "
             ".parquet, .npy, .csv).",

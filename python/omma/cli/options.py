@@ -35,8 +35,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 SceneArgument = Annotated[
     Path,
     argument(
-        "Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, .pts; "
-        "Gaussian splats: .ply, .spz.",
+        "Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, .pts, "
+        ".asc; Gaussian splats: .ply, .spz.",
         "SCENE",
     ),
 ]
