@@ -1,8 +1,10 @@
 """Air between surfaces: how contrast falls with distance, its colours, its polarisation, and what
 becomes of it where lights are changed. Closed forms in the engine: tests/cpp/render_air.cpp."""
 
+import importlib.util
 import pickle
 from dataclasses import replace
+from datetime import datetime, timezone
 
 import numpy as np
 import pytest
@@ -114,7 +116,25 @@ class TestExtinction:
         np.testing.assert_array_equal(with_air(through).extinction_per_m, hazy)
         usual = with_air(clear_sky(30.0, bands=AT_550)).extinction_per_m
         assert (usual - air)[0] == pytest.approx(0.1 / 2000, rel=1e-3)
-        with pytest.raises(Error, match="visibility_m: expected a number"):
+        # Skies of other suns, of the moon and of the night say the same.
+        same = {"aerosol": 0.2, "bands": AT_550}
+        when = datetime(2026, 8, 27, 22, tzinfo=timezone.utc)
+        for light in (
+            omma.light.natural_sky(30.0, **same),
+            omma.light.natural_sky(-30.0, **same),
+            omma.light.moonlit_sky(30.0, **same),
+        ):
+            np.testing.assert_array_equal(with_air(light).extinction_per_m, hazy)
+        np.testing.assert_array_equal(
+            with_air(omma.light.natural_sky(30.0, bands=AT_550)).extinction_per_m, usual
+        )
+        high = with_air(omma.light.natural_sky(30.0, height_m=3000, bands=AT_550)).extinction_per_m
+        expected = with_air(clear_sky(30.0, height_m=3000, bands=AT_550)).extinction_per_m
+        np.testing.assert_array_equal(high, expected)
+        if importlib.util.find_spec("ephem"):
+            light = omma.light.natural_sky_at(when, 52.5, 13.4, **same)
+            np.testing.assert_array_equal(with_air(light).extinction_per_m, hazy)
+        with pytest.raises(Error, match=r"visibility_m: expected a number.*moonlit_sky"):
             with_air(overcast_sky(30.0))
         with pytest.raises(Error, match="expected one above the water"):
             with_air(under_water(clear, 1.0))

@@ -251,6 +251,7 @@ def test_info_and_picture(run_omma, tmp_path, photographed, monkeypatch):
         "cameras          garden",
         "number           24",
         "bounds           (-3, 1.5, -5) to (3, 1.5, 1) m",
+        "extent           6 x 0 x 6 m, as of a tree, a room or a plot",
         "lowest           y = 1.5 m, median 1.5, highest 1.5",
         "spacing          0.7832 m to the next, median (0.7832 to 0.7832 m)",
         "field of view    77.3° x 59.5°",

@@ -3,7 +3,6 @@ rays, bounds, and what is refused."""
 
 import gc
 import resource
-import sys
 import warnings
 
 import numpy as np
@@ -381,21 +380,6 @@ def test_one_thing_is_one(walker, things):
     env = omma.gym.eye_env(loop_of(walker, things=things, start=begin))
     assert walker.world.instances[1].name == "crate"
     assert env.reset(seed=0)[0].shape == (40, 3)
-
-
-def test_steps_before_a_start(walker):
-    for env in (omma.gym.eye_env(loop_of(walker)), omma.gym.eye_vector_env(loop_of(walker), 2)):
-        with pytest.raises(omma.Error, match=r"step: expected reset\(\) before it"):
-            env.step(env.action_space.sample())
-        with pytest.raises(omma.Error, match="seed: expected 2 of them, found 1"):
-            omma.gym.eye_vector_env(loop_of(walker), 2).reset(seed=[1])
-
-
-def test_without_gymnasium(walker, monkeypatch):
-    loop = loop_of(walker)
-    monkeypatch.setitem(sys.modules, "gymnasium", None)
-    with pytest.raises(omma.Error, match=r"pip install 'omma\[gym\]'"):
-        omma.gym.eye_env(loop)
 
 
 def resident_bytes():

@@ -8,6 +8,7 @@ from conftest import make_eye
 from PIL import Image
 
 import omma
+from omma.job.extents import describe_extent, size_words
 from omma.job.places import place_words
 
 
@@ -105,3 +106,131 @@ def test_places_far_from_the_origin_keep_their_centimetres(omma_command, tmp_pat
     html = omma.load_scene(tmp_path / "plot.obj", up="z")._repr_html_()
     assert "456789.12, 99, -5432110 to 456799, 101.25, -5432100 m" in html
     assert place_words((0.123456, -12.3456, 100.0)) == "(0.1235, -12.35, 100)"
+
+
+def said(omma_command, path):
+    """What `omma info` says of a file, by the first word of its lines."""
+    code, out, err = omma_command("info", path)
+    assert (code, err) == (0, "")
+    return dict(re.split(r"  +", line, maxsplit=1) for line in out.splitlines())
+
+
+def test_info_of_a_track(omma_command, tmp_path):
+    path = tmp_path / "track.csv"
+    path.write_text("t_s,x_m,z_m\n0,0,0\n0.5,3,4\n0.75,nan,\n1,3,6\n")
+    found = said(omma_command, path)
+    assert found["track"] == str(path)
+    assert found["positions"] == "3"
+    assert found["duration"] == "1 s, from 0 to 1 s, a position each 0.5 s, median (0.5 to 0.5 s)"
+    assert found["bounds"] == "(0, 0) to (3, 6) m, x and z"
+    assert found["extent"] == "3 x 6 m"
+    assert found["way"] == "7 m, 7 m/s in the mean"
+    assert found["heading"] == "along the way"
+    assert "left out 1 of 4 positions" in found["warning"]
+    path.write_text("x_m;z_m;heading_deg\n1,5;0;20\n")
+    found = said(omma_command, path)
+    assert found["duration"] == "not told: no column t_s"
+    assert found["heading"] == "told, heading_deg"
+
+
+def test_info_of_poses(omma_command, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,2,90,0,0\n0,1,5,90,0,0\n")
+    found = said(omma_command, path)
+    assert found["poses"] == str(path)
+    assert found["number"] == "2"
+    assert found["bounds"] == "(0, 1, 2) to (0, 1, 5) m"
+    assert (found["extent"], found["way"]) == ("0 x 0 x 3 m", "3 m")
+    # What is wrong in them is told as of poses.
+    path.write_text("x,y,z,qx,qy,qz,qw\n0,1,2,0,0,0,0\n")
+    code, _, err = omma_command("info", path)
+    assert code != 0
+    assert "poses.csv, line 2: the quaternion has length 0" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("wl,white,red\n300,5,3\n500,70,4\n700,72,61\n", "per cent, as the values look"),
+        ("wl,white %,red %\n300,.1,.3\n500,.2,.4\n700,.2,.6\n", "per cent, as the file says"),
+        ("300 0.5 0.3\n500 0.7 0.4\n700 0.72 0.6\n", "fractions, as the values look"),
+        ("nm\tsun\tsky\n300\t1e14\t1\n500\t2\t3\n700\t2\t3\n", "neither fractions nor per cent"),
+    ],
+)
+def test_info_of_spectra(omma_command, tmp_path, text, unit):
+    path = tmp_path / "petals.csv"
+    path.write_text(text)
+    found = said(omma_command, path)
+    assert found["spectra"] == str(path)
+    assert found["number"].startswith("2: ")
+    assert found["wavelengths"] == "300 to 700 nm, 3 of them, one each 200 nm"
+    assert found["unit"].startswith(unit)
+
+
+def test_info_of_tables_of_something_else(omma_command, tmp_path):
+    path = tmp_path / "other.csv"
+    path.write_text("a,b\n1,2\n")
+    code, _, err = omma_command("info", path)
+    assert code != 0
+    for words in ("azimuth_deg", "x_m, z_m", "yaw_deg", "wavelengths in nm", "found 'a, b'"):
+        assert words in err
+    (tmp_path / "track.csv").write_text("x_m,z_m\n1,2\n")
+    code, _, err = omma_command("info", tmp_path / "track.csv", "--unit", "mm")
+    assert code != 0
+    assert "--unit: expected none" in err
+
+
+def test_sizes_are_told_in_words():
+    flat = describe_extent(np.array([50_000.0, 40_000.0, 900.0]))
+    assert flat.startswith("5e+04 x 4e+04 x 900 m, as of a region; if it is in millimetres, 50 m")
+    assert flat.endswith("it is flat along z, as if +Z were up (--up z; --scene-up z of a render)")
+    plot = describe_extent(np.array([4.0, 0.3, 5.0]))
+    assert plot == "4 x 0.3 x 5 m, as of a tree, a room or a plot"
+    # What is rounding of the largest length is 0.
+    assert size_words(np.array([6, 2e-16, 7e-9])) == "6 x 0 x 7e-09 m"
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "hint"),
+    [
+        # Meshes and points that do not say their unit, and glTF, which should be in metres.
+        ("leaf.obj", 40, "if it is in millimetres, 0.04 m, as of an insect or a leaf"),
+        ("leaf.obj", 20, ""),
+        ("plant.xyz", 400, "if it is in millimetres, 0.4 m, as of a thing on a table"),
+        ("plant.xyz", 200, ""),
+        ("room.glb", 4000, "if it is in millimetres, 4 m, as of a tree, a room or a plot"),
+        ("room.glb", 400, ""),
+    ],
+)
+def test_what_may_be_in_millimetres_is_told(omma_command, tmp_path, name, size, hint):
+    path = tmp_path / name
+    corners = size * np.array([(0, 0, 0), (1, 0, 0), (1, 1, 1), (0, 1, 1.0)])
+    if name.endswith(".obj"):
+        lines = [f"v {x} {y} {z}" for x, y, z in corners]
+        path.write_text("\n".join([*lines, "f 1 2 3 4"]))
+        pytest.importorskip("trimesh")
+    elif name.endswith(".xyz"):
+        path.write_text("\n".join(f"{x} {y} {z}" for x, y, z in corners))
+    else:
+        omma.scene.save_scene(path, omma.scene.box((size,) * 3))
+    found = said(omma_command, path)["extent"]
+    assert hint in found
+    assert ("in millimetres" in found) == bool(hint)
+    code, out, _ = omma_command("info", path, "--unit", "mm")
+    assert code == 0
+    assert "in millimetres" not in out
+
+
+def test_a_picture_plane_does_not_lie_on_its_side(omma_command, tmp_path):
+    """Flat along z: cards of a glTF file, in which +Y is up, stand; ground with +Z up lies."""
+    card = omma.scene.box((4, 3, 0.01), center_m=(0, 1, -2))
+    omma.scene.save_scene(tmp_path / "card.glb", card)
+    assert "flat" not in said(omma_command, tmp_path / "card.glb")["extent"]
+    ground = omma.scene.box((40, 30, 3))
+    omma.scene.save_scene(tmp_path / "ground.glb", ground)
+    assert "flat along z" in said(omma_command, tmp_path / "ground.glb")["extent"]
+    seen = ground.replace(
+        cameras=[omma.scene.Camera("eye", world_from_camera=omma.look_at((0, 1, 9), (0, 1, 0)))]
+    )
+    omma.scene.save_scene(tmp_path / "seen.glb", seen)
+    assert "flat" not in said(omma_command, tmp_path / "seen.glb")["extent"]

@@ -403,35 +403,3 @@ def test_changed_files_end_in_errors_that_name_them(pictures):
             assert path.name in said
     assert min(kinds.values()) > 300
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1 << 20
-
-
-@pytest.mark.parametrize(
-    "vertex",
-    [
-        "nan 0 0",
-        "inf 0 0",
-        "-nan(ind) 0 0",
-        "a b c",
-        "1x 0 0",
-        "1,5 0,25 0",
-        "1 0",
-        "1 2 3e",
-        "0x1 1 1",
-    ],
-)
-def test_an_obj_vertex_that_is_no_number_is_told(tmp_path, vertex):
-    """tinyobjloader takes it for 0, or cuts it off where it no longer is one."""
-    path = tmp_path / "a.obj"
-    path.write_text(f"# made\nv 0 0 0\nv {vertex}\nv 1 1 0\nf 1 2 3\n")
-    with pytest.raises(omma.Error, match=r"a\.obj: line 3: expected v and three finite numbers"):
-        omma.load_scene(path)
-
-
-def test_numbers_as_obj_files_write_them(tmp_path):
-    path = tmp_path / "a.obj"
-    path.write_text("v 1e1 -.5 2. # x\r\n v\t+1 2  3 .1 .2 .3 \r\nv 1 1 0 1\nvn nan 0 0\nf 1 2 3\n")
-    found = omma.load_scene(path).meshes[0].positions_m
-    assert found.tolist() == [[10, -0.5, 2], [1, 2, 3], [1, 1, 0]]
-    path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 nan\nvt 1 0\nf 1/1 2/2 3/1\n")
-    with pytest.warns(UserWarning, match="1 texture coordinates are no numbers"):
-        omma.load_scene(path)

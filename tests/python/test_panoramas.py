@@ -1,6 +1,8 @@
 """Pictures all around, seen without rays: gratings against the modulation transfer of every
 acceptance, layouts against each other and against rays, seams, poles and rims."""
 
+import warnings
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -224,3 +226,54 @@ def test_bad_pictures_are_refused():
         Fisheye(8, 8, lens="round")
     with pytest.raises(omma.Error, match="height: expected 1 to"):
         Equirectangular(0, 8)
+
+
+def test_pixels_that_are_no_radiance_are_refused():
+    eye = omma.eye.generate_eye(20)
+    view = omma.rendering.PanoramaView(eye, omma.rendering.Equirectangular(8, 16))
+    picture = np.full((8, 16, 3), 0.5, np.float32)
+    bands = omma.light.Bands.equal(1, 400, 700)
+    for value, words in ((-1, "-1"), (np.inf, "inf")):
+        wrong = picture.copy()
+        wrong[3, 4, 1] = wrong[5, 6, 0] = value
+        told = rf"found {words} in band 1 of pixel \(3, 4\), of 2"
+        for see in (view.see, lambda one: omma.rendering.see_panorama(one, eye)):
+            with pytest.raises(omma.Error, match=f"pictures: .*{told}"):
+                see(wrong)
+    with pytest.raises(omma.Error, match="pictures: expected shape"):
+        view.see(np.inf)
+    wrong[3, 4, 1] = wrong[5, 6, 0] = -1
+    with pytest.raises(omma.Error, match=r"image: .*pixel \(3, 4\)"):
+        omma.light.panorama(wrong, ultraviolet="dark")
+    with pytest.raises(omma.Error, match=r"radiance: .*-1 in band 0 of pixel \(3, 4\)"):
+        omma.light.panorama_bands(wrong[:, :, 1:2], bands=bands)
+    with pytest.warns(UserWarning, match=r"background: .*pixel \(3, 4\)"):
+        omma.World(omma.scene.plane(), background=omma.Background.image(wrong))
+    # Differences of pictures go through the matrix, and what is not known stays so.
+    assert view.weights @ wrong.reshape(-1, 3) is not None
+    wrong[wrong < 0] = np.nan
+    assert np.isnan(view.see(wrong)).any()
+
+
+def test_floats_of_pictures_in_8_bits_are_told():
+    rng = np.random.default_rng(4)
+    bytes_ = rng.integers(0, 256, (8, 16, 3)).astype(np.uint8)
+    eye = omma.eye.generate_eye(20)
+    plane = omma.scene.plane(paint=bytes_)
+    world = omma.World(plane)
+    ways = {
+        "pictures": lambda one: omma.rendering.see_panorama(one, eye),
+        "image": lambda one: omma.light.panorama(one, ultraviolet="dark"),
+        "background": lambda one: world.with_background(omma.Background.image(one)),
+        "picture": lambda one: world.set_image(0, one),
+        "paint": lambda one: omma.scene.plane(paint=one),
+    }
+    for name, way in ways.items():
+        with pytest.warns(UserWarning, match=f"^{name}: .*whole numbers up to 25.*uint8"):
+            way(bytes_.astype(np.float32))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            way(bytes_)
+            way((bytes_ / np.float32(255)).astype(np.float32))
+            way(np.full((8, 16, 3), 100, np.float32))
+            way(rng.gamma(1, 30, (8, 16, 3)).astype(np.float32))

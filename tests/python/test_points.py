@@ -230,6 +230,7 @@ def test_e57_whose_scans_have_not_all_normals(tmp_path):
     [
         ("a.xyz", "", "xyz"),
         ("a.txt", "", "xyzi"),
+        ("a.asc", "", "xyzi"),
         ("a.xyz", "# made by hand\n", "xyzrgb"),
         ("a.pts", f"{COUNT}\n", "xyzirgb"),
         ("a.csv", "B,G,R,Z,Y,X\n", "bgrzyx"),
@@ -251,6 +252,12 @@ def test_text_with_and_without_names(tmp_path, name, head, columns):
         assert cloud.colors == pytest.approx(srgb_to_linear(COLOURS / 255), abs=1e-6)
     if "c" in columns:
         assert (cloud.labels == CLASSES).all()
+
+
+def test_a_grid_of_heights_is_told(tmp_path):
+    (tmp_path / "a.asc").write_text("NCOLS 2\nnrows 1\nxllcorner 0\nyllcorner 0\n1 2\n")
+    with pytest.raises(omma.Error, match=r"a\.asc: .*found a grid of heights \(ESRI ASCII\)"):
+        omma.load_scene(tmp_path / "a.asc")
 
 
 def rows(*columns, count=40):

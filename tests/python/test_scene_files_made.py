@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import struct
 from pathlib import Path
 
@@ -342,20 +343,10 @@ def test_gltf_of_programs_that_do_not_heed_its_unit(tmp_path, run_omma):
     seen = [omma.Renderer(one, eye, omma.Fixed(16)).render(pose) for one in (read, room)]
     assert np.allclose(*seen, atol=1e-4)
     said = run_omma("info", str(tmp_path / "room.glb"))[1]
-    assert "6000 x 4000 x 2000 m, as of a landscape" in said
+    assert "6000 x 4000 x 2000 m, as of a landscape; if it is in millimetres, 6 m, as of" in said
     assert "flat" not in said
     said = run_omma("info", str(tmp_path / "room.glb"), "--unit", "mm", "--up", "z")[1]
-    assert "6 x 2 x 4 m, as of a tree, a room or a plot" in said
-
-
-def test_sizes_are_told_in_words():
-    from omma.job.extents import describe_extent
-
-    flat = describe_extent(np.array([50_000.0, 40_000.0, 900.0]))
-    assert flat.startswith("5e+04 x 4e+04 x 900 m, as of a region; if it is in millimetres, 50 m")
-    assert flat.endswith("it is flat along z, as if +Z were up (--up z; --scene-up z of a render)")
-    plot = describe_extent(np.array([4.0, 0.3, 5.0]))
-    assert plot == "4 x 0.3 x 5 m, as of a tree, a room or a plot"
+    assert re.search("6 x 2 x 4 m, as of a tree, a room or a plot$", said, re.MULTILINE)
 
 
 def test_colours_of_trimesh():

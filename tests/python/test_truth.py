@@ -1,6 +1,8 @@
 """Ground truth beside responses, as Python asks for it: against formulas that NumPy computes, on
 both backends, in unlit, lit and baked worlds."""
 
+import warnings
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -277,37 +279,6 @@ def test_things_that_were_moved_are_where_they_are(things):
     assert_allclose(truth.flow_objects_rad_s[0, 0], [ahead / (6 - ahead), 0], atol=2e-4)
 
 
-def test_dataset_names_units_and_places(things):
-    xarray = pytest.importorskip("xarray")
-    eye = omma.eye.generate_eye(60)
-    renderer = omma.Renderer(things, eye, omma.Fixed(8))
-    poses = omma.poses_from_angles([(0, 1, 0), (0, 1, -0.1)], [(0, 0, 0)])
-    times_s = [0, 0.01]
-    truth = renderer.ground_truth(
-        poses, shares=["ball"], head_velocity=omma.velocities_from_poses(poses, times_s)
-    )
-    data = renderer.dataset(poses, time_s=times_s, truth=truth)
-    assert isinstance(data, xarray.Dataset)
-    assert np.array_equal(data.response, truth.responses)
-    assert data.distance.dims == ("time", "ommatidium")
-    assert data.distance.attrs["units"] == "m"
-    assert np.array_equal(data.distance, truth.distance_m)
-    assert np.array_equal(data.share.sel(instance="ball"), truth.shares[..., 0])
-    assert np.array_equal(data.flow.sel(direction="right"), truth.flow_rad_s[..., 0])
-    assert data.flow_translation.attrs["units"] == "rad s-1"
-    assert data.seen_position.dims == ("time", "ommatidium", "axis")
-    plain = renderer.dataset(poses, truth=renderer.ground_truth(poses))
-    assert "flow" not in plain
-    assert "share" not in plain
-    with pytest.raises(omma.Error, match="truth: expected that of 1 poses"):
-        renderer.dataset(poses[:1], truth=truth)
-    with pytest.raises(omma.Error, match="truth: not together with"):
-        renderer.dataset(poses, truth=truth, standard_error=True)
-    auto = renderer.with_eye(eye, omma.ToError(0.1, most=64))
-    found = auto.dataset(poses, truth=auto.ground_truth(poses))
-    assert {"rays", "standard_error"} <= set(found)
-
-
 def test_velocities_of_a_path():
     # Straight and evenly turning: exactly that, whatever the steps.
     times = np.array([0, 0.3, 0.4, 1.0])
@@ -327,6 +298,16 @@ def test_velocities_of_a_path():
     poses[:, :3, :3] = turns.as_matrix()
     after = (slerp(0.5 + 1e-5) * slerp(0.5).inv()).as_rotvec() / 1e-5
     assert_allclose(omma.velocities_from_poses(poses, [0, 1, 3])[1][0], after, rtol=1e-4)
+
+
+def test_half_a_turn_may_go_either_way():
+    still = omma.poses_from_angles((0, 0, 0), [(0, 0, 0), (90, 0, 0), (270, 0, 0), (91, 0, 0)])
+    with pytest.warns(UserWarning, match="half a turn from pose 1 to pose 2, which"):
+        omma.velocities_from_poses(still, [0, 1, 2, 3])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.velocities_from_poses(still[[0, 1, 3]], [0, 1, 2])
+        omma.velocities_from_poses(still[2:], [0, 1])
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ POSES = omma.poses_from_angles(
 TIMES = np.array([0, 0.01, 0.02, 0.04, 0.05, 0.07])
 VELOCITY = (np.array([0.5, 0.0, -0.2]), np.array([0.0, 0.4, 0.1]))
 # Those that every world has, told how things move.
-NOT_HERE = ("names", "rays", "source_distance_m", "camera_distance_m", "camera_angle_deg")
+NOT_HERE = ("names", "rays", "source_distance_m", "camera_distance_m", "camera_angle_deg", "eye")
 ARRAYS = [one.name for one in dataclasses.fields(GroundTruth) if one.name not in NOT_HERE]
 
 

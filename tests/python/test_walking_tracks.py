@@ -1,5 +1,7 @@
 """Tracks on the ground: headings, times, files; renders, data sets and closed loops along them."""
 
+import warnings
+
 import numpy as np
 import pytest
 from dataset_jobs import write_job
@@ -44,7 +46,7 @@ def test_tracks_in_time():
     assert len(steady.xz_m) == 101
     with pytest.raises(omma.Error, match="times_s: expected a track with times"):
         Track(track.xz_m).every(0.1)
-    with pytest.raises(omma.Error, match="times that grow, found 1 in row 1"):
+    with pytest.raises(omma.Error, match=r"times that grow, found times_s\[1\] 1 after 1"):
         Track(track.xz_m, times_s=np.array([1, 1, 2]))
 
 
@@ -62,11 +64,53 @@ def test_files_of_tracks(tmp_path):
         ("x_m,z_m\n1\n", "line 2: expected 2 numbers"),
         ("x_m,z_m\n1,a\n", "line 2, column z_m: expected a finite number"),
         ("x_m,z_m\n", "holds no position"),
-        ("t_s,x_m,z_m\n1,0,0\n1,0,1\n", r"track\.csv: times_s: expected times that grow"),
+        (
+            "t_s,x_m,z_m\n\n0,0,0\n2,0,0\n1.5,0,1\n",
+            r"track\.csv, line 5: expected times that grow, found t_s 1.5 after 2 in line 4",
+        ),
+        ("x_m,z_m\n1,inf\n", "line 2, column z_m: expected a finite number"),
     ):
         path.write_text(text)
         with pytest.raises(omma.Error, match=match):
             load_track(path)
+
+
+LOST = """t_s,x_m,z_m
+0,nan,NaN
+0.1,0,0
+0.2,,
+0.3,0,-0.1
+# a note
+0.4,,nan
+0.5,NA,-0.2
+1.6,0,-0.3
+1.7,0,-0.4
+"""
+
+
+def test_frames_in_which_the_animal_was_lost(tmp_path):
+    path = tmp_path / "track.csv"
+    path.write_text(LOST)
+    with pytest.raises(omma.Error, match=r'line 2, column x_m: .*4 of 8 .*lost="leave_out"'):
+        load_track(path)
+    told = r"left out 4 of 8 .*, the first 1 among.*without a position: lines 5 to 9 \(1\.3 s"
+    with pytest.warns(UserWarning, match=told):
+        track = load_track(path, lost="leave_out")
+    np.testing.assert_array_equal(track.times_s, [0.1, 0.3, 1.6, 1.7])
+    np.testing.assert_array_equal(track.xz_m, [(0, 0), (0, -0.1), (0, -0.3), (0, -0.4)])
+    # Without times no gap has a length; whole tracks are read without a word.
+    path.write_text("x_m;z_m\n0;0\n;\nnan;nan\n1,5;0\n")
+    with pytest.warns(UserWarning, match=r"2 of 4 .*without t_s, at most 2 in a row"):
+        assert load_track(path, lost="leave_out") == Track(np.array([(0.0, 0.0), (1.5, 0.0)]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        path.write_text("t_s,x_m,z_m\n0,0,0\n5,1,1\n")
+        assert len(load_track(path, lost="leave_out").xz_m) == 2
+    path.write_text("x_m,z_m\nnan,nan\n")
+    with pytest.raises(omma.Error, match="holds no position: each line lacks a number"):
+        load_track(path, lost="leave_out")
+    with pytest.raises(omma.Error, match="lost: expected one of refuse, leave_out"):
+        load_track(path, lost="interpolate")
 
 
 @pytest.fixture
@@ -91,9 +135,16 @@ def test_renders_along_a_track(files, run_omma):
     expected = omma.Renderer(world, omma.load_eye(eye), omma.Fixed(16)).render(poses)
     np.testing.assert_array_equal(np.load(files / "walk.npy"), expected)
     assert poses[:, 1, 3].max() < 1
+    (files / "lost.csv").write_text("x_m,z_m\n0,0\nnan,nan\n0.5,-0.5\n1,-0.5\n")
+    run_omma(
+        "render", scene, "--eye", eye, "--path", files / "lost.csv", "--on-ground", "0.003",
+        "--ground", "floor", "--lost", "leave_out", "-o", files / "lost.npy",
+    )  # fmt: skip
+    np.testing.assert_array_equal(np.load(files / "lost.npy"), expected)
     for match, asked in (
         ("on_ground: expected a path", {"on_ground": 0.1}),
         ("ground: goes with on_ground", {"path": track, "ground": ["floor"]}),
+        ("lost: goes with on_ground", {"path": track, "lost": "leave_out"}),
         ("on_ground: expected a number above 0", {"path": track, "on_ground": 0.0}),
         ("header line t_s,x_m,z_m", {"path": omma.examples.flight(), "on_ground": 0.1}),
     ):
@@ -126,13 +177,17 @@ def test_data_sets_along_a_track(files):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("zarr")
     lines = [f"{0.1 * k},0,{-0.01 * k}" for k in range(11)]
+    lines[5] = "0.5,,"
     (files / "timed.csv").write_text("\n".join(["t_s,x_m,z_m", *lines]))
     poses = '[[poses]]\nsampler = "track"\nfile = "timed.csv"\nheight_m = 0.003\nstep_s = 0.05\n'
+    poses += 'lost = "leave_out"\n'
     job = write_job(files, dataset='outputs = ["flow"]', poses=poses)
-    omma.datasets.run(job)
+    with pytest.warns(UserWarning, match="left out 1 of 11 positions"):
+        omma.datasets.run(job)
     data = xarray.open_zarr(files / "job.zarr")
     made = data.world_from_head.values
-    track = load_track(files / "timed.csv").every(0.05)
+    with pytest.warns(UserWarning, match="left out 1 of 11 positions"):
+        track = load_track(files / "timed.csv", lost="leave_out").every(0.05)
     scene = omma.load_scene(files / "scene.gltf")
     np.testing.assert_array_equal(made, walk_on(scene, track, height_m=0.003))
     assert len(made) == 21

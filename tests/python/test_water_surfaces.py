@@ -307,6 +307,7 @@ def test_what_comes_out_by_type_and_depth():
     nm = blue.reflectance.wavelength_nm
     assert nm[np.argmax(brown.reflectance.value)] > 550
     sand = omma.scene.natural_materials()["sand"]
+    assert water("IB", depth_m=3, bottom=0.3) == water("IB", depth_m=3, bottom=flat_spectrum(0.3))
     deep, film = water("IB"), water("IB", depth_m=0, bottom="sand")
     before = film
     for depth in (0.5, 2.0, 10.0, 100.0):
@@ -361,6 +362,8 @@ FLAT = Spectrum([300.0, 700.0], [0.3, 0.3])
         ({"depth_m": 2}, "bottom: expected what lies at depth_m, found None"),
         ({"bottom": "sand"}, "depth_m: expected that of the bottom, found None"),
         ({"depth_m": 2, "bottom": "snad"}, "bottom: expected one of .*did you mean 'sand'"),
+        ({"depth_m": 2, "bottom": 1.2}, "bottom: expected the name of .* 0 to 1, found 1.2"),
+        ({"depth_m": 2, "bottom": float("nan")}, "bottom: expected the name of .* found nan"),
         ({"depth_m": 2, "bottom": "pond water"}, "bottom: expected one of"),
         ({"depth_m": 2, "bottom": Spectrum([500.0, 700.0], [0, 1])}, "bottom: expected values fr"),
         ({"depth_m": 2, "bottom": Spectrum([300.0, 700.0], [0, 2])}, "bottom: .*0 to 1, found 2"),

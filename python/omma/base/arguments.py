@@ -44,9 +44,11 @@ def whole(value: Any, name: str, low: int, high: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:
+        number = None
+    if number is None or isinstance(value, bool):
         raise TypeError(
             f"{name}: expected a whole number, found {type(value).__name__} {value!r:.40}"
-        ) from None
+        )
     if not low <= number <= high:
         raise Error(f"{name}: expected {low} to {high}, found {number}")
     return number
@@ -100,8 +102,9 @@ def array_of(
         finite: whether all of its numbers must be.
 
     Raises:
-        omma.Error: rows of different lengths, texts, complex numbers, objects, fractions where
-            ``dtype`` is whole, another shape, numbers that are not finite; it names the argument.
+        omma.Error: rows of different lengths, texts, complex numbers, objects, fractions or truths
+            where ``dtype`` is whole, one truth for a number, another shape, numbers that are not
+            finite; it names the argument.
     """
     try:
         given = np.asarray(as_numpy(value, name))
@@ -109,6 +112,9 @@ def array_of(
         raise Error(f"{name}: expected numbers, found rows of different lengths") from None
     if given.dtype.kind not in "biuf":
         raise Error(f"{name}: expected numbers, found {type(value).__name__} {value!r:.40}")
+    are_whole = dtype is not None and np.dtype(dtype).kind in "iu"
+    if given.dtype.kind == "b" and (given.ndim == 0 or are_whole):
+        raise Error(f"{name}: expected numbers, found True or False: {value!r:.40}")
     if shape is not None:
         shapes = shape if isinstance(shape, list) else [shape]
         if not any(_fits(given.shape, one) for one in shapes):
@@ -237,11 +243,11 @@ _OWN = {
 
 
 def _is_number(value: Any) -> bool:
-    """Whether it is one real number, of whatever kind; not an array of one."""
+    """Whether it is one real number, of whatever kind; not an array of one, and not a truth."""
     return (
         hasattr(value, "__float__")
         and np.ndim(value) == 0
-        and np.asarray(value).dtype.kind in "biufO"
+        and np.asarray(value).dtype.kind in "iufO"
     )
 
 

@@ -1,8 +1,9 @@
 """OBJ files: tinyobjloader reads them, in double precision. It cuts names at their first space,
-knows no lines that go on after a backslash and stops at no index too large, so the lines that name
-materials are numbered before it sees them, and what it gives is checked. Of what its Python package
-has, the lists are right; its arrays (numpy_indices and their kin) are not in all versions. What is
-no number it takes for 0, or cuts off where it no longer is one, so numbers are looked at before.
+knows no lines that go on after a backslash, no comments behind faces, and stops at no index too
+large, so the lines that name materials are numbered before it sees them, and what it gives is
+checked. Of what its Python package has, the lists are right; its arrays (numpy_indices and their
+kin) are not in all versions. What is no number it takes for 0, or cuts off where it no longer is
+one, so numbers are looked at before.
 """
 
 from __future__ import annotations
@@ -28,19 +29,28 @@ _LIBRARY = re.compile(rb"^[ \t]*mtllib\b[ \t]*([^\r\n]*)\r?$", re.MULTILINE)
 # x, y, z, and w or a colour behind them; in texture coordinates 1 to 3 numbers.
 _NUMBER = rb"[ \t]+[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _END = rb"[ \t]*(?:#[^\r\n]*)?\r?$"
-_NO_VERTEX, _NO_COORDINATE = (
+_NO_VERTEX, _NO_COORDINATE, _NO_NORMAL = (
     re.compile(
         rb"^[ \t]*%s(?=[ \t])(?!(?:%s){%s}%s)[^\r\n]*" % (kind, _NUMBER, count, _END), re.MULTILINE
     )
-    for kind, count in ((b"v", b"3,8"), (b"vt", b"1,3"))
+    for kind, count in ((b"v", b"3,8"), (b"vt", b"1,3"), (b"vn", b"3"))
 )
+# Numbers of a vertex, which is not 0, of its texture coordinate and of its normal.
+_CORNER = rb"[ \t]+[+-]?0*[1-9]\d*(?:/[+-]?\d*){0,2}"
+_NO_FACE = re.compile(rb"^[ \t]*f(?=[ \t])(?!(?:%s)+%s)[^\r\n]*" % (_CORNER, _END), re.MULTILINE)
+_COMMENT = re.compile(rb"^([ \t]*f[ \t][^\r\n#]*)#[^\r\n]*", re.MULTILINE)
+# Lines that go on after a backslash, with the last of them.
+_CONTINUED = re.compile(rb"^(?:[^\n]*\\[ \t]*\r?\n)+[^\n]*", re.MULTILINE)
 _CURVED = re.compile(rb"^[ \t]*(?:curv2?|surf)[ \t]", re.MULTILINE)
 
 
 def read_obj(path: str) -> MeshParts:
     """The parts of an OBJ file, one piece for each material."""
-    data = re.sub(rb"\\[ \t]*\r?\n", b" ", _core.read_file(path))
-    _expect_vertices(path, data)
+    data = _core.read_file(path)
+    if b"\\" in data:
+        data = _CONTINUED.sub(_in_one_line, data)
+    _expect_lines(path, data)
+    data = _COMMENT.sub(rb"\1", data)
     libraries = [_text(one).strip() for one in _LIBRARY.findall(data)]
     names: dict[bytes, int] = {}
 
@@ -57,19 +67,32 @@ def read_obj(path: str) -> MeshParts:
         parts.warnings.append(
             f"{wrong} texture coordinates are no numbers, and count as 0 where they are none"
         )
+    if wrong := len(_NO_NORMAL.findall(data)):
+        parts.warnings.append(f"{wrong} normals are no numbers; normals of OBJ files do not count")
     if _CURVED.search(data):
         parts.warnings.append("curves and curved surfaces are not shown")
     return parts
 
 
-def _expect_vertices(path: str, data: bytes) -> None:
-    found = _NO_VERTEX.search(data)
+def _in_one_line(found: re.Match[bytes]) -> bytes:
+    """Lines that go on as one, with empty ones behind it, so that others keep their numbers."""
+    one = re.sub(rb"\\[ \t]*\r?\n", b" ", found[0])
+    return one + b"\n" * (found[0].count(b"\n") - one.count(b"\n"))
+
+
+def _expect_lines(path: str, data: bytes) -> None:
+    """omma.Error where a vertex has no position or a face is not one of numbers."""
+    vertex, face = _NO_VERTEX.search(data), _NO_FACE.search(data)
+    found = vertex or face
     if found is None:
         return
     line = data.count(b"\n", 0, found.start()) + 1
+    expected = "v and three finite numbers or more"
+    if vertex is None:
+        expected = "f and corners as 1, 1/2, 1//3 or 1/2/3, numbers of vertices not 0"
     commas = "; decimals are behind points, not commas" if b"," in found[0] else ""
     raise Error(
-        f"{path}: line {line}: expected v and three finite numbers or more, found "
+        f"{path}: line {line}: expected {expected}, found "
         f"{_text(found[0].strip())!r:.60}{commas}"
     )
 
@@ -90,6 +113,8 @@ def _parsed(path: str, data: bytes, material_count: int) -> Any:
     if not reader.ParseFromString(data.decode("latin-1"), known, settings):
         # Its line numbers are one too large, by the line that names the materials.
         said = re.sub(r"[Ll]ine (\d+)", lambda at: f"line {int(at[1]) - 1}", reader.Error())
+        if (face := re.search(r"parse `f' line.*?(line \d+)", said, re.DOTALL)) is not None:
+            raise Error(f"{path}: {face[1]}: expected a face of vertices that stand before it")
         raise Error(f"{path}: not readable as OBJ: {' '.join(said.split()) or 'no reason given'}")
     return reader
 

@@ -18,12 +18,16 @@ from omma._core import Error
 from omma.base.arrays import Floats
 from omma.base.files import PathLike, open_text
 
+# How programs write that a number is not known, in small letters.
+_MISSING = ("", "nan", "na", "n/a", "none", "null")
+
 
 def read_table(
-    path: PathLike, headers: Sequence[tuple[str, ...]], row: str
+    path: PathLike, headers: Sequence[tuple[str, ...]], row: str, *, missing: bool = False
 ) -> tuple[tuple[str, ...], Floats, Sequence[int]]:
     """Of a CSV file the names of its columns, one of ``headers``, the rows (N, columns) in that
-    order, and the number of each one's line; ``row`` is what one of them is called.
+    order, and the number of each one's line; ``row`` is what one of them is called. A cell that is
+    empty or NaN is NaN with ``missing``, else refused.
 
     Columns may come in any order. Their names say what separates them, commas, semicolons or tabs;
     decimals may have commas where these do not. Empty lines, and what follows a #, are passed over.
@@ -62,7 +66,7 @@ def read_table(
             )
         if between != ",":
             cells = [cell.replace(",", ".") for cell in cells]
-        numbers.extend(map(_number, cells, columns, repeat(where)))
+        numbers.extend(map(_number, cells, columns, repeat(where), repeat(missing)))
         lines.append(number)
     if not numbers:
         raise Error(f"{name}: holds no {row}")
@@ -96,7 +100,9 @@ def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[F
     return (columns, rows, *grids)
 
 
-def _number(cell: str, column: str, where: str) -> float:
+def _number(cell: str, column: str, where: str, missing: bool) -> float:
+    if missing and cell.lower() in _MISSING:
+        return math.nan
     try:
         value = float(cell)
     except ValueError:

@@ -8,6 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked
 from omma.base.poses import Matrices, as_poses
+from omma.base.warn import warn_caller
+
+# So near to half a turn, either way is as short as angles of six digits say.
+_HALF_TURN_RAD = 1e-5
 
 
 @checked
@@ -35,6 +39,9 @@ def velocities_from_poses(
     Raises:
         omma.Error: fewer than two poses, times that do not grow, another shape, a pose that
             flattens.
+
+    Warns:
+        UserWarning: half a turn from one pose to the next, which may go either way.
     """
     matrices = as_poses(poses)
     count = len(matrices)
@@ -48,7 +55,9 @@ def velocities_from_poses(
         raise Error("poses: expected finite numbers")
     linear = np.diff(matrices[:, :3, 3], axis=0) / steps[:, None]
     turns = _nearest_turns(matrices)
-    angular = _rotation_vectors(turns[:-1], turns[1:]) / steps[:, None]
+    turned = _rotation_vectors(turns[:-1], turns[1:])
+    _warn_of_half_turns(turned)
+    angular = turned / steps[:, None]
     return _at_poses(linear, steps), _at_poses(angular, steps)
 
 
@@ -90,6 +99,18 @@ def _rotation_vectors(
     if not (np.linalg.det(step) > 0).all():
         raise Error("poses: expected a path along which none or all mirror")
     return np.asarray(Rotation.from_matrix(step).as_rotvec())
+
+
+def _warn_of_half_turns(turned: NDArray[np.float64]) -> None:
+    """Tell the caller of the package of turns (P, 3), rad, of which either way is as short."""
+    half = np.flatnonzero(np.linalg.norm(turned, axis=1) > np.pi - _HALF_TURN_RAD)
+    if len(half) > 0:
+        more = f" and {len(half) - 1} more" if len(half) > 1 else ""
+        warn_caller(
+            f"poses: half a turn from pose {half[0]} to pose {half[0] + 1}{more}, which may go "
+            "either way: the angular velocity there is one of two; put poses in between",
+            UserWarning,
+        )
 
 
 def _at_poses(between: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:

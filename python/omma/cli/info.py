@@ -19,7 +19,8 @@ from omma.scene.building import READING
 from omma.scene.capture_cameras import is_capture, load_capture_cameras
 
 INFO_HELP = """
-Say what is in a file: a scene, an eye, a picture, or responses and how they were made.
+Say what is in a file: a scene, an eye, a picture, a track, poses, spectra, or responses and how
+they were made.
 
 What an eye is like as an eye is measured by **omma eye info**.
 
@@ -55,9 +56,9 @@ def info(
         Path | None,
         typer.Argument(
             help="A scene (.gltf, .glb, .obj, .ply, .stl), points (.las, .laz, .e57, .ply, .xyz, "
-            ".pts), Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, "
+            ".pts, .asc), Gaussian splats (.ply, .spz), cameras of a capture (COLMAP's folder, "
             "transforms.json, cameras.json), an eye (.eye, .csv), a picture (.png, .jpg, "
-            ".webp, .hdr, .exr), or responses (.zarr, .nc, "
+            ".webp, .hdr, .exr), a track, poses or spectra (.csv, .txt), or responses (.zarr, .nc, "
             ".parquet, .npy, .csv).",
             metavar="FILE",
             show_default=False,

@@ -35,8 +35,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 SceneArgument = Annotated[
     Path,
     argument(
-        "Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, .pts; "
-        "Gaussian splats: .ply, .spz.",
+        "Scene: .gltf or .glb, .obj, .ply or .stl; points: .las, .laz, .e57, .ply, .xyz, .pts, "
+        ".asc; Gaussian splats: .ply, .spz.",
         "SCENE",
     ),
 ]
@@ -108,6 +108,14 @@ GroundOption = Annotated[
         "With --on-ground: a thing of the scene that is ground; may be given several times. "
         "Default: everything is.",
         "NAME",
+    ),
+]
+LostOption = Annotated[
+    str,
+    option(
+        "With --on-ground: what becomes of lines of the track in which a number is missing, "
+        "as trackers write where they lost the animal: refuse or leave_out.",
+        "WORD",
     ),
 ]
 ThreadsOption = Annotated[int, option("Threads; 0: all.", "N")]

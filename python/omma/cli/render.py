@@ -19,6 +19,7 @@ from omma.cli.options import (
     HeightOption,
     LightOption,
     LookAtOption,
+    LostOption,
     OnGroundOption,
     PathOption,
     SceneArgument,
@@ -167,6 +168,7 @@ def render(
     path: PathOption = None,
     on_ground: OnGroundOption = None,
     ground: GroundOption = None,
+    lost: LostOption = "refuse",
     background: BackgroundOption = None,
     light: LightOption = None,
     standard_error: Annotated[
@@ -230,6 +232,7 @@ def render(
         path=path,
         on_ground=on_ground,
         ground=tuple(ground or ()),
+        lost=lost,
         scene_unit=scene_unit,
         scene_up=scene_up,
         scene_voxel_m=scene_voxel_m,

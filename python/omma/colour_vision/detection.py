@@ -11,6 +11,7 @@ from omma.base.arguments import array_of, checked
 from omma.base.directions import direction
 from omma.base.progress import Progress
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
 from omma.colour_vision.disc_views import DiscView
 from omma.colour_vision.observer import Decision, Observer
 from omma.colour_vision.scene_views import SceneView
@@ -23,6 +24,8 @@ from omma.rendering.settings import Fixed
 # small enough.
 _FIRST, _MORE = Fixed(64), (Fixed(256), Fixed(2048), Fixed(16384))
 _ENOUGH = 0.005
+# So many times as many are named where they are too few.
+_MANY_MORE = 8
 # By how many standard errors a target is told, or not, at the end of where it is looked for.
 _SURE = 4
 # How near the two distances come between which the answer is taken as on a straight line, and how
@@ -96,6 +99,9 @@ def detect(
         omma.Error: an argument out of its range, an eye of which catches are not known, receptors
             or noise that the eye does not have, colour in ommatidia that lack a class, a target
             where no ommatidium looks.
+
+    Warns:
+        UserWarning: too few rays meet the target to give the distance an error.
     """
     observer = Observer() if observer is None else observer
     near, far = _ends(between_m)
@@ -157,6 +163,13 @@ def detect(
         low = min(max(found / math.sqrt(2), near), max(far / 2, near))
     if progress is not None:
         progress(1.0)
+    if math.isinf(error):
+        warn_caller(
+            f"sampling: of 8 x {rays.samples} rays too few meet the target, or its edge, to tell "
+            f"by how much {found:.3g} m is off (standard_error_m is infinite); ask for more, "
+            f"sampling=omma.Fixed({_MANY_MORE * rays.samples})",
+            UserWarning,
+        )
     return Detection(found, error, _diameter_rad(target, found))
 
 

@@ -21,7 +21,7 @@ from omma.base.velocities import velocities_from_poses
 from omma.datasets.free_space import FreeSpace
 from omma.datasets.tables import Table, choices, count, name, number_above_0, numbers, span, texts
 from omma.datasets.tables import text as a_text
-from omma.motion.tracks import Track, load_track
+from omma.motion.tracks import LOST, Track, load_track
 
 SAMPLERS = ("uniform", "surface", "path", "walk", "track")
 
@@ -40,6 +40,7 @@ class PoseSet:
     count: int
     scenes: tuple[str, ...]  # in which it is used
     file: str = ""  # path: a CSV file of poses; track: of positions
+    lost: str = "refuse"  # track: positions that lack a number
     low_m: tuple[float, ...] = ()  # uniform, walk: corners of a box (3,); surface: x and z
     high_m: tuple[float, ...] = ()
     yaw_deg: tuple[float, float] = (-180.0, 180.0)
@@ -128,9 +129,9 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
     return PoseSet(**found)
 
 
-def track_of(file: str, step_s: float) -> Track:
+def track_of(file: str, lost: str, step_s: float) -> Track:
     """A track that a file has, at equal steps of time where it has times and steps are told."""
-    track = load_track(file)
+    track = load_track(file, lost=lost)
     return track.every(step_s) if step_s and track.times_s is not None else track
 
 
@@ -145,7 +146,7 @@ def times_of(poses: PoseSet) -> Floats:
     """When each pose is, (P,), s from the begin of its walk, of tracks as their file says; NaN
     where that is not told."""
     if poses.sampler == "track":
-        times_s = track_of(poses.file, poses.step_s).times_s
+        times_s = track_of(poses.file, poses.lost, poses.step_s).times_s
         if times_s is not None:
             return times_s
     if poses.step_s == 0:
@@ -158,11 +159,12 @@ def _read_track(table: Table, folder: Path) -> dict[str, Any]:
     """What a table [[poses]] says of a track."""
     file = str(folder / table.take("file", a_text))
     step_s = table.take("step_s", number_above_0, 0.0)
-    number = len(track_of(file, step_s).xz_m)
+    lost = table.take("lost", choices(LOST), "refuse")
+    number = len(track_of(file, lost, step_s).xz_m)
     if step_s and number < 2:
         raise Error(f"{table.where}.step_s: expected two positions or more in {file}, found one")
     height_m = (table.take("height_m", number_above_0),) * 2
-    found = {"file": file, "count": number, "steps": number, "step_s": step_s}
+    found = {"file": file, "lost": lost, "count": number, "steps": number, "step_s": step_s}
     found |= {"height_m": height_m, "on": table.take("on", texts, ())}
     table.end()
     return found

@@ -28,7 +28,7 @@ def walk_poses(poses: PoseSet, seed: int, scene: str, walks: range, space: FreeS
         omma.Error: a walk has no free position to begin or to go on, or a track no ground.
     """
     if poses.sampler == "track":
-        track = track_of(poses.file, poses.step_s)
+        track = track_of(poses.file, poses.lost, poses.step_s)
         return walk_on(space.world, track, height_m=poses.height_m[0], on=poses.on)
     begin = sample_poses(poses, seed, scene, walks, space)
     position = begin[:, :3, 3].copy()

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arrays import Flags
+from omma.base.warn import warn_caller
 from omma.gym.episodes import Where, episodes_of, see_poses
 from omma.gym.loop import Loop, Responses
 
@@ -30,6 +31,14 @@ def _spaces(
     if loop.frames is not None:
         shape = (*shape, loop.frames)
     return gymnasium.spaces.Box(*limits, shape, np.float32), loop.action_space
+
+
+def _warn_of_render() -> None:
+    warn_caller(
+        "render: gives None, as there is no camera and no render mode; what the eye sees is the "
+        "observation, which omma.picture.plot_responses draws",
+        UserWarning,
+    )
 
 
 class _Maker:
@@ -56,20 +65,34 @@ class EyeEnv(gymnasium.Env[Responses, Any]):
         self._limits = loop.limits()
         self.observation_space, self.action_space = _spaces(loop, self._limits)
         self._episodes = episodes_of(loop, 1)
+        self._over = False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Responses, dict[str, Any]]:
         """Start an episode; ``options`` are not used."""
         super().reset(seed=seed)
+        self._over = False
         return self._seen(self._episodes.begin([self.np_random]))
 
     def step(self, action: Any) -> tuple[Responses, float, bool, bool, dict[str, Any]]:
-        """(observation, reward, whether it ended, whether it was cut off, info)."""
+        """(observation, reward, whether it ended, whether it was cut off, info). The caller is
+        warned of a step after the end of an episode, which goes on from there."""
+        if self._over:
+            warn_caller(
+                "step: the episode is over (it ended or was cut off); expected reset() before it, "
+                "and goes on where it was",
+                UserWarning,
+            )
         actions = np.asarray(action)[None] if self.loop.batched else [action]
         seen, info = self._seen(self._episodes.advance(actions, _NOT_OVER, [self.np_random]))
         rewards, ended, cut_off = self._episodes.judged()
+        self._over = bool(ended[0] or cut_off[0])
         return seen, float(rewards[0]), bool(ended[0]), bool(cut_off[0]), info
+
+    def render(self) -> None:
+        """Nothing, with a warning: no render mode is declared."""
+        _warn_of_render()
 
     def _seen(self, where: Where) -> tuple[Responses, dict[str, Any]]:
         observations = self._episodes.see(see_poses(self.loop, self._limits, where))
@@ -116,6 +139,10 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         rewards, ended, cut_off = self._episodes.judged()
         self._over = ended | cut_off
         return observations, rewards, ended, cut_off, infos
+
+    def render(self) -> None:
+        """Nothing, with a warning: no render mode is declared."""
+        _warn_of_render()
 
     def _begun(
         self, mask: Any, seed: int | list[int | None] | None

@@ -22,7 +22,9 @@ def eye_env(loop: Loop) -> gymnasium.Env[Any, Any]:
     """A loop as a Gymnasium environment.
 
     Observations are what the eye sees, float32 (N, B), or (N, B, frames), in a Box between the
-    bounds of the loop; ``info`` has the pose. There is no camera: ``render_mode`` is None.
+    bounds of the loop; ``info`` has the pose. There is no camera: ``render_mode`` is None,
+    ``render()`` gives None and a warning. So does ``step()`` after the end of an episode, which
+    goes on.
 
     Example:
         >>> import gymnasium

@@ -197,7 +197,7 @@ def _poses(begun: Begun) -> tuple[Matrices, str, Floats | None]:
     """Poses (P, 4, 4), in words where they come from, and when they are, where that is known."""
     job = begun.job
     if job.path is not None and job.on_ground is not None:
-        track = load_track(job.path)
+        track = load_track(job.path, lost=job.lost)
         text = f"track {os.fsdecode(job.path)}"
         return _walked(begun, track, job.on_ground), text, track.times_s
     return *_untimed(begun), None

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma.base.files import PathLike
-from omma.job.extents import describe_extent
+from omma.job.extents import describe_extent, without_rounding
+from omma.job.places import place_words
 from omma.job.results_info import Lines
 from omma.scene.capture_cameras import CaptureCameras, load_capture_cameras
 
@@ -23,12 +24,13 @@ def describe_capture(path: PathLike, unit: str | float | None, up: str | None) -
     """Number, box, spacing, heights and fields of cameras, and whether they are upright."""
     cameras = load_capture_cameras(path, unit="m" if unit is None else unit, up=up)
     low, high = cameras.bounds
-    corners = [", ".join(f"{x:.4g}" for x in corner) for corner in (low, high)]
-    heights = np.quantile(cameras.positions_m[:, 1], (0, 0.5, 1))
+    largest = float(np.max(high - low))
+    low, high = without_rounding(low, largest), without_rounding(high, largest)
+    heights = without_rounding(np.quantile(cameras.positions_m[:, 1], (0, 0.5, 1)), largest)
     lines = [
         ("cameras", cameras.path or "in memory"),
         ("number", f"{len(cameras):,}"),
-        ("bounds", f"({corners[0]}) to ({corners[1]}) m"),
+        ("bounds", f"{place_words(low)} to {place_words(high)} m"),
         ("extent", describe_extent(high - low)),
         ("lowest", f"y = {heights[0]:.4g} m, median {heights[1]:.4g}, highest {heights[2]:.4g}"),
     ]

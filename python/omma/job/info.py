@@ -14,11 +14,12 @@ from omma.base.files import PathLike
 from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.capture_info import describe_capture
-from omma.job.extents import describe_extent
+from omma.job.extents import describe_scene_extent
 from omma.job.picture_info import describe_picture, is_picture_file
 from omma.job.places import place_words
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
+from omma.job.tables_info import describe_table
 from omma.scene.capture_cameras import is_capture
 from omma.scene.device_list import devices
 from omma.scene.files import read_scene
@@ -64,8 +65,8 @@ def describe_file(
     *,
     voxel_m: float | None = None,
 ) -> Lines:
-    """What is in a file of a scene, points, splats, cameras of a capture, an eye, a picture or
-    responses.
+    """What is in a file of a scene, points, splats, cameras of a capture, an eye, a picture, a
+    track, poses, spectra or responses.
 
     ``unit`` is of lengths in `.eye` files ("mm" where it is None) and in files of scenes ("m"),
     ``up`` what is up in these; ``voxel_m`` is the side of the cells of a grid, by which points of a
@@ -84,12 +85,15 @@ def describe_file(
     if is_picture_file(path):
         return describe_picture(path)
     if is_points:
-        name, metres = os.fsdecode(path), "m" if unit is None else unit
-        return describe_points(name, metres, up, progress, voxel_m=voxel_m)
+        name = os.fsdecode(path)
+        return describe_points(name, unit, up, progress, voxel_m=voxel_m)
     if Path(os.fsdecode(path)).suffix.lower() in (*MESH_FILES, *SPLAT_FILES):
-        return describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
+        return describe_scene(
+            read_scene(path, unit=unit, up=up, progress=progress), unit_is_told=unit is not None
+        )
     if is_scene_file(path):
-        lines = describe_scene(read_scene(path, unit=unit, up=up, progress=progress))
+        scene = read_scene(path, unit=unit, up=up, progress=progress)
+        lines = describe_scene(scene, unit_is_told=unit is not None)
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
         heads = eye_file_heads(path)
         if len(heads) == 1:
@@ -99,10 +103,15 @@ def describe_file(
         return lines
     if up is not None:
         raise Error(f"up: expected none, as {os.fsdecode(path)} is no file of a scene")
+    table = describe_table(path)
+    if table is not None:
+        if unit is not None:
+            raise Error(f"unit: expected none, as {os.fsdecode(path)} says its units")
+        return table
     return describe_eye(load_eye(path, "mm" if unit is None else unit))
 
 
-def describe_scene(scene: Scene) -> Lines:
+def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
     """Counts, size, background, cameras and warnings of a scene."""
     lines = [
         ("scene", scene.path or "in memory"),
@@ -119,7 +128,8 @@ def describe_scene(scene: Scene) -> Lines:
         lines.append(("bounds", "empty: nothing but background"))
     else:
         lines.append(("bounds", f"{place_words(bounds[0])} to {place_words(bounds[1])} m"))
-        lines.append(("extent", describe_extent(bounds[1] - bounds[0])))
+        size_m = bounds[1] - bounds[0]
+        lines.append(("extent", describe_scene_extent(scene, size_m, unit_is_told)))
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
     lines.append(("background", background.type.replace("_", " ") + color))

@@ -8,7 +8,7 @@ import numpy as np
 
 from omma._core import Error
 from omma.base.progress import Progress
-from omma.job.extents import describe_extent
+from omma.job.extents import LONG_POINTS_M, ODD_M, describe_extent
 from omma.job.places import place_words
 from omma.job.results_info import Lines
 from omma.scene.memory import free_bytes, words_for_bytes
@@ -51,7 +51,7 @@ class _Found:
 
 def describe_points(
     path: str,
-    unit: str | float = "m",
+    unit: str | float | None = None,
     up: str | None = None,
     progress: Progress | None = None,
     *,
@@ -59,7 +59,8 @@ def describe_points(
 ) -> Lines:
     """Number, size, spacing, classes and colours of a file's points, which is read in pieces; with
     ``voxel_m`` of their means in the cells of a grid."""
-    sieve = Sieve(file := open_points(path), unit, up, voxel_m=voxel_m)
+    in_unit = "m" if unit is None else unit
+    sieve = Sieve(file := open_points(path), in_unit, up, voxel_m=voxel_m)
     cells = None if sieve.voxel_m is None else CellMeans(sieve.voxel_m)
     found = _Found()
     largest: dict[str, float] = {}
@@ -89,13 +90,17 @@ def describe_points(
     whole = "" if len(some) == found.count else f" (of the first {len(some):,})"
     said = file.unit or "not said by the file"
     bytes_, free = found.count * BYTES_PER_SURFEL, free_bytes()
+    suspect = unit is None and not file.unit
+    extent = describe_extent(
+        found.high - found.low, may_be_mm_above=LONG_POINTS_M if suspect else ODD_M
+    )
     lines = [
         ("points", f"{path}, {file.kind}"),
         ("number", f"{found.count:,}{thinned}"),
         ("bounds", f"{corners[0]} to {corners[1]} m"),
-        ("extent", describe_extent(found.high - found.low)),
+        ("extent", extent),
         ("spacing", f"{spacing_of(some) * 1e3:.4g} mm to the nearest, median{whole}"),
-        ("unit", f"{said}, read as {unit}; up {up or file.up}"),
+        ("unit", f"{said}, read as {in_unit}; up {up or file.up}"),
     ]
     if found.labels:
         named = [

@@ -17,8 +17,10 @@ from typing import Any, TypeVar, get_type_hints
 from numpy.typing import ArrayLike
 
 from omma._core import Background, Error
+from omma.base.arguments import one_of
 from omma.base.files import PathLike
 from omma.base.values import value_class
+from omma.motion.tracks import LOST
 from omma.rendering.settings import Options, Sampling, Settings, Shared
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -50,6 +52,7 @@ class RenderJob:
     path: PathLike | None = None
     on_ground: float | None = None
     ground: str | Sequence[str] = ()
+    lost: str = "refuse"
     poses: ArrayLike | None = None
     scene_index: int | None = None
     scene_unit: str | float | None = None
@@ -84,6 +87,8 @@ class RenderJob:
             raise Error("on_ground: expected a path, a track on the ground")
         if self.ground and self.on_ground is None:
             raise Error("ground: goes with on_ground, the height of the head above it")
+        if one_of(self.lost, LOST, "lost") != "refuse" and self.on_ground is None:
+            raise Error("lost: goes with on_ground, along a track")
         videos = [one for one in self.several_outputs if os.fsdecode(one).lower().endswith(".mp4")]
         if videos and self.projection is not None and self.projection.endswith("_ids"):
             raise Error(f"projection: a video shows responses, found {self.projection!r}")
@@ -157,6 +162,7 @@ class JobOptions(Options, total=False):
     path: PathLike | None
     on_ground: float | None
     ground: str | Sequence[str]
+    lost: str
     poses: ArrayLike | None
     scene_index: int | None
     scene_unit: str | float | None

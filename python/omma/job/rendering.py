@@ -87,6 +87,7 @@ def render_file(
             see `omma.motion.load_track` and `omma.motion.walk_on`. Where that has times, ``t_s``,
             the first dimension of what says its numbers is ``time``, s, not ``pose``.
         ground: with it, a name or names of instances that are ground; none: everything is.
+        lost: with it, what becomes of positions that lack a number, as of `omma.motion.load_track`.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
         scene_index: which of the scenes in the file; None takes its default.
         scene_unit, scene_up, scene_voxel_m: of the scene's file, ``unit``, ``up`` and ``voxel_m``

@@ -16,7 +16,9 @@ from omma.light.skies import CLEAR_SKY_AEROSOL
 from omma.light.sky_height import AIR_HEIGHT_M, air_above
 from omma.light.sky_stored import depths_of_air_and_haze
 
-# Makers and methods whose light has the air of the one that they were given.
+# Makers that say what air their sky has, by the same arguments and defaults; makers and methods
+# whose light has the air of the one that they were given.
+_OWN_AIR = ("clear_sky", "moonlit_sky", "natural_sky", "natural_sky_at")
 _SAME_AIR = ("with_air", "clouded", "plus", "scaled", "turned")
 # Contrast at the meteorological optical range (CIE e-ILV 17-31-018).
 _LEAST_CONTRAST = 0.05
@@ -47,7 +49,8 @@ def with_air(
         light: with a sky; air without one shows black.
         visibility_m: meteorological optical range, at which 0.05 of the contrast is left at 550 nm
             (CIE e-ILV 17-31-018): 3.0 / σ; 1 m to 250 km. Below 1 km it is fog. None: the air and
-            the haze that the sky of ``light`` was computed with, if it is one of `clear_sky`.
+            the haze that the sky of ``light`` was computed with, if it is one of `clear_sky`,
+            `moonlit_sky`, `natural_sky` or `natural_sky_at`.
         angstrom: how σ falls with wavelength, σ ~ wavelength^-angstrom, 0 to 4.1. None: as Kim,
             McArthur and Korevaar (Proc. SPIE 4214:26, 2001) have it by visibility: 0 up to 500 m,
             then rising to 0.5 at 1 km and 1.3 at 6 km, 1.6 from 50 km on.
@@ -116,12 +119,12 @@ def _air_of(light: Light) -> tuple[float, float, str]:
     recipe = light.recipe
     while recipe is not None:
         name, arguments = recipe
-        if name == "clear_sky":
+        if name in _OWN_AIR:
             aerosol = arguments.get("aerosol", CLEAR_SKY_AEROSOL)
             height_m = float(arguments.get("height_m", 0.0))
             return float(aerosol), height_m, arguments.get("haze_kind", "rural")
         recipe = arguments["light"].recipe if name in _SAME_AIR else None
     raise Error(
-        "visibility_m: expected a number, as this light is not a clear sky's, which says how much "
-        f"air and haze there are: found {light!r:.80}"
+        "visibility_m: expected a number, such as 27e3, or extinction_per_m, as only lights of "
+        f"{', '.join(_OWN_AIR)} say how much air and haze there are: found {light!r:.80}"
     )

@@ -12,6 +12,7 @@ from omma._core import Error, Image
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
+from omma.base.pixels import check_radiance, warn_of_bytes
 from omma.base.slips import warn_of_shape
 from omma.light.bands import Bands, primary_spectra
 from omma.light.lights import Light
@@ -99,8 +100,9 @@ def panorama_bands(
         )
     if picture.shape[3] != len(bands):
         raise Error(f"radiance: expected {len(bands)} bands, found {picture.shape[3]}")
-    if not np.all(np.isfinite(picture)) or np.any(picture[:, :, 0] < 0):
+    if not np.all(np.isfinite(picture)):
         raise Error("radiance: expected finite radiances of at least 0")
+    check_radiance(picture[:, :, 0], "radiance")
     return Light(bands, unit, from_equirectangular(picture))
 
 
@@ -134,6 +136,9 @@ def _linear_rgb(image: PathLike | ArrayLike) -> Floats:
         # sRGB's own curve.
         return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     linear = pixels.astype(np.float64)
-    if not np.all(np.isfinite(linear)) or np.any(linear < 0):
+    if not np.all(np.isfinite(linear)):
         raise Error("image: expected finite values of at least 0")
+    check_radiance(linear, "image")
+    if not isinstance(image, (str, os.PathLike)):
+        warn_of_bytes(linear, "image")
     return linear

@@ -247,8 +247,13 @@ def _names(above: list[list[str]], width: int, stem: str) -> list[str]:
     return [one or f"column {k}" for k, one in enumerate(header, start=1)]
 
 
+def is_wavelength_name(name: str) -> bool:
+    """Whether a column of this name has wavelengths."""
+    return _WAVELENGTH.fullmatch(name) is not None
+
+
 def _wavelength_column(path: str, names: list[str]) -> int:
-    found = [k for k, one in enumerate(names) if _WAVELENGTH.fullmatch(one)]
+    found = [k for k, one in enumerate(names) if is_wavelength_name(one)]
     if len(found) > 1:
         raise Error(
             f"{path}: expected one column of wavelengths, found "

@@ -6,15 +6,21 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error
-from omma.base.arguments import array_of, checked, positive
+from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.arrays import Floats
 from omma.base.tables import read_table
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
+
+# What becomes of frames in which a tracker lost the animal.
+LOST = ("refuse", "leave_out")
 
 _TIME, _PLACE, _HEADING = ("t_s",), ("x_m", "z_m"), ("heading_deg",)
+# Gaps between positions that are told, s, and how many of them.
+_GAP_S, _MOST_NAMED = 1.0, 5
 # Least growth of a whole number of steps by which a last one still counts.
 _LAST = 1e-9
 
@@ -54,7 +60,8 @@ class Track:
         if self.times_s is not None and not (np.diff(self.times_s) > 0).all():
             row = int(np.flatnonzero(np.diff(self.times_s) <= 0)[0]) + 1
             raise Error(
-                f"times_s: expected times that grow, found {self.times_s[row]:g} in row {row}"
+                f"times_s: expected times that grow, found times_s[{row}] {self.times_s[row]:.10g} "
+                f"after {self.times_s[row - 1]:.10g}"
             )
 
     @checked
@@ -87,24 +94,88 @@ class Track:
 
 
 @checked
-def load_track(path: str | os.PathLike[str]) -> Track:
+def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
     """A track from a CSV file, one position a line.
 
     The first line names the columns: ``x_m,z_m``, with ``t_s``, ``heading_deg`` or both, in any
     order; semicolons and tabs may separate them, decimals have points or commas then. Empty lines,
-    and what follows a ``#``, are passed over; rows of frames without a position must be left out.
+    and what follows a ``#``, are passed over.
+
+    Args:
+        lost: what becomes of the lines of frames in which a tracker lost the animal, of which a
+            cell is empty, NaN, NA, none or null: "refuse" them, or "leave_out", so that the animal
+            goes straight from where it was last seen to where it is seen again.
 
     Raises:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
+
+    Warns:
+        UserWarning: lines were left out: how many, and where that leaves more than a second
+            without a position.
     """
     name = os.fsdecode(path)
+    one_of(lost, LOST, "lost")
     headers = [(*time, *_PLACE, *heading) for time in (_TIME, ()) for heading in ((), _HEADING)]
-    columns, table, _ = read_table(path, headers, "position")
-    of = dict(zip(columns, table.T, strict=True))
-    try:
-        return Track(np.column_stack([of["x_m"], of["z_m"]]), of.get("heading_deg"), of.get("t_s"))
-    except Error as error:
-        raise Error(f"{name}: {error}") from None
+    columns, table, numbers = read_table(path, headers, "position", missing=True)
+    lines = np.asarray(numbers)
+    known = np.asarray(np.isfinite(table).all(axis=1))
+    if lost == "refuse" and not known.all():
+        row = int(np.argmin(known))
+        raise Error(
+            f"{name}, line {lines[row]}, column {columns[int(np.isnan(table[row]).argmax())]}: "
+            f"expected a finite number, found none; {np.sum(~known)} of {len(known)} positions "
+            'lack one: lost="leave_out" (--lost leave_out) leaves out frames in which the animal '
+            "was lost"
+        )
+    if not known.any():
+        raise Error(f"{name}: holds no position: each line lacks a number")
+    times_s = dict(zip(columns, table.T, strict=True)).get("t_s")
+    if times_s is not None:
+        _check_growing(name, times_s[known], lines[known])
+    if not known.all():
+        warn_caller(f"{name}: {_left_out(known, lines, times_s)}", UserWarning)
+    of = dict(zip(columns, table[known].T, strict=True))
+    return Track(np.column_stack([of["x_m"], of["z_m"]]), of.get("heading_deg"), of.get("t_s"))
+
+
+def _check_growing(name: str, times_s: Floats, lines: NDArray[np.int64]) -> None:
+    wrong = np.flatnonzero(np.diff(times_s) <= 0)
+    if len(wrong) > 0:
+        row = int(wrong[0]) + 1
+        raise Error(
+            f"{name}, line {lines[row]}: expected times that grow, found t_s {times_s[row]:.10g} "
+            f"after {times_s[row - 1]:.10g} in line {lines[row - 1]}"
+        )
+
+
+def _left_out(known: NDArray[np.bool_], lines: NDArray[np.int64], times_s: Floats | None) -> str:
+    """What was left out of a track, in words."""
+    text = f"left out {np.sum(~known)} of {len(known)} positions, which lack a number"
+    kept = np.flatnonzero(known)
+    text += _at_ends(kept, len(known))
+    after = np.flatnonzero(np.diff(kept) > 1)
+    if times_s is None:
+        runs = np.diff(kept)[after] - 1
+        longest = f"; without t_s, at most {runs.max()} in a row" if len(runs) > 0 else ""
+        return text + longest
+    wide = [one for one in after if times_s[kept[one + 1]] - times_s[kept[one]] > _GAP_S]
+    gaps = [
+        f"lines {lines[kept[one]]} to {lines[kept[one + 1]]} "
+        f"({times_s[kept[one + 1]] - times_s[kept[one]]:.3g} s)"
+        for one in wide[:_MOST_NAMED]
+    ]
+    if not gaps:
+        return text
+    more = f" and {len(wide) - len(gaps)} more" if len(wide) > len(gaps) else ""
+    return f"{text}; more than {_GAP_S:g} s without a position: {', '.join(gaps)}{more}"
+
+
+def _at_ends(kept: NDArray[np.int64], count: int) -> str:
+    """How many of the lines that were left out are before the first that is kept, or after the
+    last."""
+    ends = ((int(kept[0]), "first"), (count - 1 - int(kept[-1]), "last"))
+    said = [f"the {which} {number}" for number, which in ends if number > 0]
+    return f", {' and '.join(said)} among them" if said else ""
 
 
 def heading_along(xz_m: Floats, chord_m: float) -> Floats:

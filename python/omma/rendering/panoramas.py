@@ -18,6 +18,7 @@ from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
+from omma.base.pixels import check_radiance, warn_of_bytes
 from omma.base.poses import as_pose
 from omma.base.slips import warn_of_shape
 from omma.base.srgb import linear_of_srgb
@@ -107,7 +108,12 @@ class PanoramaView:
                 uint8, which is sRGB. Pixels that are NaN, not known, make NaN of all that see them.
 
         Raises:
-            omma.Error: a shape that is not the layout's, or whole numbers of another kind.
+            omma.Error: a shape that is not the layout's, whole numbers of another kind, or pixels
+                that are negative or infinite; it names one. Of differences of pictures, and of Q
+                and U, ``weights @ pixels`` tells the same.
+
+        Warns:
+            UserWarning: floats that look like a picture in 8 bits, with white at 255.
         """
         given = np.asarray(pictures)
         shape = self.layout.shape
@@ -115,6 +121,11 @@ class PanoramaView:
         if bands_at < 0 or given.shape[bands_at:-1] != shape:
             wanted = ", ".join(map(str, shape))
             raise Error(f"pictures: expected shape (..., {wanted}, bands), found {given.shape}")
+        if given.dtype.kind == "f":
+            check_radiance(
+                given, "pictures", "; PanoramaView.weights @ pixels takes differences, and Q and U"
+            )
+            warn_of_bytes(given, "pictures")
         several, bands = given.shape[:bands_at], given.shape[-1]
         flat = given.reshape(-1, self._matrix.shape[1], bands)
         seen = np.empty((len(flat), self._matrix.shape[0], bands), np.float32)
@@ -164,6 +175,9 @@ def see_panorama(
 
     Raises:
         omma.Error: no such picture, or what `PanoramaView` and its ``see`` raise.
+
+    Warns:
+        UserWarning: a picture of another shape, or one that ``see`` warns of.
     """
     if isinstance(picture, (str, os.PathLike)):
         pixels = load_picture(picture)

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Error
+from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, whole
 from omma.base.arrays import Floats32
+from omma.base.poses import Matrices
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 # As omma/truth.h has it.
 _MOST_SHARES = 1 << 14
+# Of a pose's numbers: as far as single precision rounds them, two poses are the same.
+_ROUNDED = 2.0**-23
 # Of the progress, where the nearest cameras are found after rendering.
 _RENDERED = 0.9
 
@@ -82,6 +85,10 @@ class GroundTruth:
     camera_angle_deg: Floats32 | None = None
     """(P, N), between the directions in which an ommatidium and the nearest camera, by that angle,
     see the same point (`CaptureCameras.nearness`); NaN where no camera had it in its field."""
+    world_from_head: Matrices | None = None
+    """(P, 4, 4), the poses that it is of."""
+    eye: Eye | None = None
+    """The eye that it is of."""
 
     @property
     def flow_rad_s(self) -> Floats32 | None:
@@ -187,7 +194,7 @@ def ground_truth(
             distance_m=found["distance_m"],
             progress=share_of(progress, _RENDERED, 1),
         )
-    return GroundTruth(**found, names=names)
+    return GroundTruth(**found, names=names, world_from_head=call.poses.copy(), eye=self.eye)
 
 
 def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variables:
@@ -242,13 +249,34 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
     return found
 
 
-def check_truth(truth: GroundTruth, size: tuple[int, int, int]) -> None:
-    """omma.Error where ground truth is not of so many poses, ommatidia and bands."""
+def check_truth(truth: GroundTruth, poses: Matrices, eye: Eye, bands: int) -> None:
+    """omma.Error where ground truth is of other poses, another eye or another number of bands; what
+    was made without its poses or its eye is known by its shape alone."""
+    size = (len(poses), len(eye), bands)
     if truth.responses.shape != size:
         raise Error(
             f"truth: expected that of {size[0]} poses, {size[1]} ommatidia and {size[2]} bands, "
             f"found {truth.responses.shape}"
         )
+    if truth.world_from_head is not None:
+        near = np.isclose(truth.world_from_head, poses, rtol=_ROUNDED, atol=_ROUNDED)
+        other = np.flatnonzero(~near.all(axis=(1, 2)))
+        if len(other) > 0:
+            raise Error(
+                f"truth: expected that of these poses, found that of others: pose {other[0]} is "
+                f"{_at(poses[other[0]])} here, {_at(truth.world_from_head[other[0]])} there"
+            )
+    if truth.eye is not None and truth.eye != eye:
+        raise Error(
+            "truth: expected that of this renderer's eye, found that of another eye with as many "
+            "ommatidia"
+        )
+
+
+def _at(pose: NDArray[np.float64]) -> str:
+    """Where a pose is and which way it looks, for messages."""
+    place, ahead = (", ".join(f"{one:.6g}" for one in row) for row in (pose[:3, 3], -pose[:3, 2]))
+    return f"at ({place}) m looking along ({ahead})"
 
 
 def _groups(world: World, shares: Sequence[str | int]) -> tuple[tuple[str, ...], Any]:

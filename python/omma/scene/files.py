@@ -43,8 +43,8 @@ def load_scene(
     progress: Progress | None = None,
 ) -> Scene:
     """Read a glTF 2.0 scene, `.gltf` or `.glb`, the meshes of an `.obj`, `.ply` or `.stl` file, the
-    points of a `.las`, `.laz`, `.e57`, `.xyz` or `.pts` file, or of a `.ply` file without faces, or
-    the Gaussian splats of a `.ply` or `.spz` file.
+    points of a `.las`, `.laz`, `.e57`, `.xyz`, `.pts` or `.asc` file, or of a `.ply` file without
+    faces, or the Gaussian splats of a `.ply` or `.spz` file.
 
     Meshes need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what becomes
     of colours and pictures. Points become discs as `omma.scene.load_points` and

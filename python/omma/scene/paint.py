@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import array_of
+from omma.base.pixels import warn_of_bytes
 
 # A linear colour (r, g, b) or (r, g, b, a), or a picture: an `Image`, an array (height, width, 3 or
 # 4), or the path of a file.
@@ -96,9 +97,12 @@ def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | 
     given = array_of(paint, name, dtype=None)
     if given.ndim == 3:
         try:
-            return white, Image(given)
+            made = Image(given)
         except Error as error:
             raise Error(f"{name}: {error}") from None
+        if given.dtype.kind == "f":
+            warn_of_bytes(given[..., :3], name)
+        return white, made
     if given.shape not in ((3,), (4,)):
         raise Error(
             f"{name}: expected a colour (r, g, b), or a picture of shape (height, width, 3 or 4), "

@@ -29,8 +29,8 @@ from omma.scene.point_columns import (
     words_of,
 )
 
-POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts")
-TEXT_FILES = (".xyz", ".pts", ".txt", ".csv")
+POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts", ".asc")
+TEXT_FILES = (".xyz", ".pts", ".asc", ".txt", ".csv")
 # Of a piece: some 100 MB while it is read.
 PIECE = 1 << 20
 _TEXT_BYTES = 1 << 25
@@ -194,6 +194,11 @@ def _open_text(path: str) -> PointFile:
     for k, line in enumerate(first):
         # Comments, and the number of points with which .pts files begin, are passed over.
         words = words_of(line.lstrip(b"#/ "), blank)
+        if words[:1] and words[0].lower() == "ncols":
+            raise Error(
+                f"{path}: expected lines of points, found a grid of heights (ESRI ASCII), which is "
+                "not read; save it as points (x y z) or as a mesh"
+            )
         if words[:1] in (["x"], ["X"]):
             names = " ".join(words).lower()
         elif len(words) > 1 and not line.lstrip().startswith((b"#", b"/")):

@@ -125,11 +125,11 @@ def load_points(
 
     LAS and LAZ need laspy (`pip install 'omma[points]'`), E57 needs pye57 (`'omma[e57]'`). A file
     is read in pieces and thinned on the way: memory is needed for what is kept only. Text files
-    (`.xyz`, `.pts`, `.txt`, `.csv`) name their columns in the first line (x, y, z, red, green,
-    blue, intensity, nx, ny, nz, classification), or have 3 (x y z), 4 (and intensity), 6 (and red
-    green blue) or 7 of them (intensity, then red green blue). Colours are taken as sRGB, of 8 or 16
-    bits or up to 1, whichever holds them all. Points that are not finite, and those that a LAS file
-    marks as noise (classes 7 and 18) or withheld, are left out.
+    (`.xyz`, `.pts`, `.asc`, `.txt`, `.csv`) name their columns in the first line (x, y, z, red,
+    green, blue, intensity, nx, ny, nz, classification), or have 3 (x y z), 4 (and intensity), 6
+    (and red green blue) or 7 of them (intensity, then red green blue). Colours are taken as sRGB,
+    of 8 or 16 bits or up to 1, whichever holds them all. Points that are not finite, and those that
+    a LAS file marks as noise (classes 7 and 18) or withheld, are left out.
 
     Args:
         path: the file.

@@ -57,7 +57,7 @@ def water(
     wind_m_per_s: float | None = None,
     mean_square_slope: float | None = None,
     depth_m: float | None = None,
-    bottom: str | Spectrum | None = None,
+    bottom: str | float | Spectrum | None = None,
     absorption_per_m: Spectrum | None = None,
     scattering_per_m: Spectrum | None = None,
     refractive_index: float = 1.34,
@@ -79,7 +79,7 @@ def water(
         mean_square_slope: of the waves, in all directions together, instead of a wind.
         depth_m: of the bottom, 0 to 1000 m. None: no light comes back from there.
         bottom: what lies there: the name of a natural material, whose diffuse reflectance counts,
-            or a reflectance from 400 nm or below to 700 nm.
+            a reflectance from 400 nm or below to 700 nm, or one number for all wavelengths.
         absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``.
         scattering_per_m: b as measured. Up to what pure sea water scatters it is by molecules, of
             which half goes back, the rest by particles, of which 0.0183 does.
@@ -194,7 +194,11 @@ def _inside(
 
 
 def _above_bottom(
-    nm: Floats, deep: Floats, falls: Floats, depth_m: float | None, bottom: str | Spectrum | None
+    nm: Floats,
+    deep: Floats,
+    falls: Floats,
+    depth_m: float | None,
+    bottom: str | float | Spectrum | None,
 ) -> tuple[Floats, Floats]:
     """Wavelengths, and what comes up below the surface of what goes down, with a bottom.
 
@@ -207,13 +211,20 @@ def _above_bottom(
     depth = within(depth_m, "depth_m", 0, _DEEPEST_M)
     if isinstance(bottom, str):
         ground = {name: one for name, one in natural_materials().items() if "water" not in name}
-        one = ground[one_of(bottom, ground, "bottom", ", or a spectrum")]
+        one = ground[one_of(bottom, ground, "bottom", ", a spectrum or 0 to 1")]
         albedo = Spectrum(one.wavelength_nm, one.reflectance)
-    else:
+    elif isinstance(bottom, Spectrum):
         check_reach(bottom, "bottom")
         if bottom.value.max() > 1:
             raise Error(f"bottom: expected a reflectance of 0 to 1, found {bottom.value.max():g}")
         albedo = bottom
+    else:
+        if not 0 <= bottom <= 1:
+            raise Error(
+                "bottom: expected the name of a natural material, a spectrum of its reflectance or "
+                f"one number from 0 to 1, found {bottom!r:.40}"
+            )
+        albedo = Spectrum(_NM[[0, -1]], np.full(2, float(bottom)))
     common = _from(max(nm[0], albedo.wavelength_nm[0]))
     deep, falls = np.interp(common, nm, deep), np.interp(common, nm, falls)
     return common, deep + (_at(common, albedo) - deep) * np.exp(-2 * falls * depth)

@@ -13,6 +13,7 @@ from omma._core import Background, Error, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table, without_folder
+from omma.base.pixels import warn_of_background
 from omma.base.progress import Progress, share_of
 from omma.light import Light
 from omma.scene.baking import Bake, BakeCost, BakedInfo, bake_cost, find_baked_light
@@ -141,6 +142,7 @@ class World:
         self._lighting = given
         if given is None:
             tell_without_light(scene)
+        warn_of_background(self.background.pixels)
         tell_of_emission(scene, given)
         tell_of_splats(scene, given)
         self._baked: BakedInfo | None = None
@@ -170,6 +172,7 @@ class World:
     def with_background(self, background: Background) -> World:
         """The same world before another background: what moves in one moves in both."""
         expect(background, Background, "background", "omma.Background.constant gives one")
+        warn_of_background(background.pixels)
         other = object.__new__(World)
         vars(other).update(vars(self))
         other._background = background

@@ -13,6 +13,7 @@ from omma import _core
 from omma._core import Error, Image, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.methods import method_of
+from omma.base.pixels import warn_of_bytes
 
 Colour = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -29,6 +30,8 @@ class Colors:
         """As of `World.set_image`."""
         index = index_of(image, "image", [one.name for one in self._scene.images])
         given = picture if isinstance(picture, Image) else Image(picture)
+        if not isinstance(picture, Image):
+            warn_of_bytes(given.pixels[..., :3], "picture")
         engine.set_image(index, given)
         self._images[index] = given
 

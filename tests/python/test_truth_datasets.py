@@ -1,0 +1,72 @@
+"""Ground truth as labelled data sets, which take that of their own poses and eye alone."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import omma
+from omma import scene as solids
+
+
+@pytest.fixture(scope="module")
+def things():
+    """Ground and a ball."""
+    return solids.merge_scenes(
+        [
+            solids.plane((60, 60), (0.4, 0.3, 0.1)),
+            solids.sphere(0.9, (1, 0, 0), center_m=(0.5, 1, -2), name="ball"),
+        ]
+    )
+
+
+def test_dataset_names_units_and_places(things):
+    xarray = pytest.importorskip("xarray")
+    eye = omma.eye.generate_eye(60)
+    renderer = omma.Renderer(things, eye, omma.Fixed(8))
+    poses = omma.poses_from_angles([(0, 1, 0), (0, 1, -0.1)], [(0, 0, 0)])
+    times_s = [0, 0.01]
+    truth = renderer.ground_truth(
+        poses, shares=["ball"], head_velocity=omma.velocities_from_poses(poses, times_s)
+    )
+    data = renderer.dataset(poses, time_s=times_s, truth=truth)
+    assert isinstance(data, xarray.Dataset)
+    assert np.array_equal(data.response, truth.responses)
+    assert data.distance.dims == ("time", "ommatidium")
+    assert data.distance.attrs["units"] == "m"
+    assert np.array_equal(data.distance, truth.distance_m)
+    assert np.array_equal(data.share.sel(instance="ball"), truth.shares[..., 0])
+    assert np.array_equal(data.flow.sel(direction="right"), truth.flow_rad_s[..., 0])
+    assert data.flow_translation.attrs["units"] == "rad s-1"
+    assert data.seen_position.dims == ("time", "ommatidium", "axis")
+    plain = renderer.dataset(poses, truth=renderer.ground_truth(poses))
+    assert "flow" not in plain
+    assert "share" not in plain
+    with pytest.raises(omma.Error, match="truth: expected that of 1 poses"):
+        renderer.dataset(poses[:1], truth=truth)
+    with pytest.raises(omma.Error, match="truth: not together with"):
+        renderer.dataset(poses, truth=truth, standard_error=True)
+    auto = renderer.with_eye(eye, omma.ToError(0.1, most=64))
+    found = auto.dataset(poses, truth=auto.ground_truth(poses))
+    assert {"rays", "standard_error"} <= set(found)
+
+
+def test_a_dataset_takes_the_truth_of_its_own_poses_and_eye_alone(things):
+    pytest.importorskip("xarray")
+    eye = omma.eye.generate_eye(20)
+    renderer = omma.Renderer(things, eye, omma.Fixed(2))
+    poses = omma.poses_from_angles([(0, 1, 0), (0, 1, -0.1)], [(0, 0, 0)])
+    truth = renderer.ground_truth(poses)
+    others = omma.poses_from_angles([(0, 1, 0), (0, 1, -0.2)], [(0, 0, 0)])
+    with pytest.raises(omma.Error, match=r"these poses, .* pose 1 is at \(0, 1, -0\.2\) m .*-0\.1"):
+        renderer.dataset(others, truth=truth)
+    turned = omma.poses_from_angles([(0, 1, 0), (0, 1, -0.1)], [(90, 0, 0), (0, 0, 0)])
+    with pytest.raises(omma.Error, match=r"pose 0 is .* looking along \(1, "):
+        renderer.dataset(turned, truth=truth)
+    wider = renderer.with_eye(eye.replace(acceptance_angle_rad=np.full(20, 0.1, np.float32)))
+    with pytest.raises(omma.Error, match="this renderer's eye, found that of another eye"):
+        wider.dataset(poses, truth=truth)
+    # Poses that were kept in single precision are the same, and so is what was made by hand.
+    renderer.dataset(poses.astype(np.float32), truth=truth)
+    by_hand = dataclasses.replace(truth, world_from_head=None, eye=None)
+    renderer.dataset(others, truth=by_hand)
