@@ -436,6 +436,16 @@ def test_flow_along_walks_and_paths(tmp_path):
     np.testing.assert_allclose(np.degrees(data.head_turn[10:]), [[0, -20, 0]] * 6, atol=1e-6)
 
 
+@pytest.mark.parametrize("climb", ["10", "[-20, -5]"])
+def test_walks_that_only_climb_are_refused(tmp_path, climb):
+    poses = (
+        '[[poses]]\nname = "walks"\nsampler = "walk"\nlow_m = [-5, 1, -5]\nhigh_m = [5, 3, 5]\n'
+        f"walks = 2\nsteps = 5\nspeed_m_s = 0.5\nclimb_deg = {climb}\n"
+    )
+    with pytest.raises(omma.Error, match=r"climb_deg: expected a range .* with level ways in it"):
+        datasets.run(write_job(tmp_path, poses=poses))
+
+
 def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
     monkeypatch.setenv("OMMA_CACHE", str(tmp_path / "cache"))
     job = write_job(

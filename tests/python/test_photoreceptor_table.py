@@ -89,6 +89,7 @@ def test_an_even_sky_gives_what_the_pigments_take_of_it(fly, ultraviolet):
     takes = dict(zip(names, omma.receptors.receptor_matrix(fly, ultraviolet) @ SKY))
     assert table.r1_6 == pytest.approx(np.full((1, len(fly)), takes["R1-6"]), abs=1e-6)
     inner = {"pale": "p", "yellow": "y", "yellow, dorsal": "y", "dorsal rim": "d"}
+    assert table.r7[:, table.kind == "pale"].shape[1] == np.sum(table.kind == "pale") > 0
     for k, kind in enumerate(table.kind):
         r7 = "R7y, dorsal" if kind == "yellow, dorsal" else "R7" + inner[kind]
         assert table.r7[0, k] == pytest.approx(takes[r7], abs=1e-6)

@@ -295,6 +295,12 @@ def test_tensors_that_do_not_do(walker):
 BAD = [
     (lambda w: datasets.torch_renders(w, POSES, truth=["flow"]), omma.Error, "truth: expected one"),
     (lambda w: datasets.torch_renders(w, POSES, truth="met"), TypeError, "truth: expected a list"),
+    (lambda w: datasets.torch_renders(
+        w.with_eye(w.eye, impulse_response=omma.photoreceptors.ImpulseResponse.box(0.01)), POSES),
+     omma.Error, "renderer: expected frames that do not last"),
+    (lambda w: datasets.torch_renders(
+        w.with_eye(w.eye.replace(receptor_types=None, receptors=None)), POSES, receptors=True),
+     omma.Error, "receptors: the eye has none"),
     (lambda w: datasets.torch_renders(w, POSES, truth=["met"], receptors=True), omma.Error,
      "truth: not together with receptors"),
     (lambda w: datasets.torch_renders(w, POSES, labels={"a": [1, 2]}), omma.Error,

@@ -92,8 +92,7 @@ def _expect_lines(path: str, data: bytes) -> None:
         expected = "f and corners as 1, 1/2, 1//3 or 1/2/3, numbers of vertices not 0"
     commas = "; decimals are behind points, not commas" if b"," in found[0] else ""
     raise Error(
-        f"{path}: line {line}: expected {expected}, found "
-        f"{_text(found[0].strip())!r:.60}{commas}"
+        f"{path}: line {line}: expected {expected}, found {_text(found[0].strip())!r:.60}{commas}"
     )
 
 

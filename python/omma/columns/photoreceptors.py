@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, ReceptorType, Scene
 from omma.base.arguments import checked, expect
@@ -43,7 +43,7 @@ class PhotoreceptorTable:
 
     Attributes:
         columns: which they are.
-        kind: (M,), "pale", "yellow", "yellow, dorsal" or "dorsal rim": of R7 and R8.
+        kind: (M,) texts, "pale", "yellow", "yellow, dorsal" or "dorsal rim": of R7 and R8.
         r1_6: (P, M), mean of the receptors R1 to R6 that meet in the column's cartridge; NaN where
             there is none, at the rim of the eye.
         r7, r8: (P, M), of the column's own facet.
@@ -51,7 +51,7 @@ class PhotoreceptorTable:
     """
 
     columns: Columns
-    kind: tuple[str, ...]
+    kind: NDArray[np.str_]
     r1_6: Floats32
     r7: Floats32
     r8: Floats32
@@ -61,7 +61,7 @@ class PhotoreceptorTable:
         """That of the columns of these names, in their order, as `find_columns` takes them."""
         k = find_columns(self.columns, names)
         return PhotoreceptorTable(
-            self.columns.chosen(k), tuple(self.kind[i] for i in k.tolist()), self.r1_6[:, k],
+            self.columns.chosen(k), self.kind[k], self.r1_6[:, k],
             self.r7[:, k], self.r8[:, k], self.in_cartridge[k],
         )  # fmt: skip
 
@@ -142,7 +142,7 @@ class ColumnRenderer:
             raise Error(
                 f"columns: expected one for each of {len(eye)} ommatidia, found {len(self.columns)}"
             )
-        self.kind = tuple(eye.columns.get(COLUMN, [""] * len(eye)))
+        self.kind = np.array(list(eye.columns.get(COLUMN, [""] * len(eye))))
         self.wiring, _ = cartridge_wiring(self.columns, equator)
         # Of what is rendered for R1 to R6, which comes in the order of the cartridges.
         index = np.arange(len(self.wiring.index))

@@ -96,6 +96,7 @@ def torch_renders(
         omma.Error: labels of another number than poses, names that are taken or unknown; no PyTorch
             (``omma[torch]``).
     """
+    _expect_views(renderer, receptors)
     matrices = as_poses(poses)
     wanted = _truth_names(truth, receptors)
     taken = {"response", "world_from_head", *wanted}
@@ -147,6 +148,7 @@ def torch_render_stream(
     """
     size = whole(batch_size, "batch_size", 1, _MOST)
     number = whole(batches, "batches", 1, _MOST)
+    _expect_views(renderer, receptors)
     wanted = _truth_names(truth, receptors)
     kind = _classes("torch_rendered").RenderStream
     return kind(renderer, draw, (size, number), wanted, receptors)
@@ -158,6 +160,17 @@ def _truth_names(truth: Sequence[str], receptors: bool) -> tuple[str, ...]:
     if truth and receptors:
         raise Error("truth: not together with receptors")
     return tuple(one_of(name, TRUTH, "truth") for name in truth)
+
+
+def _expect_views(renderer: Renderer, receptors: bool) -> None:
+    """omma.Error where there is nothing to be seen from a pose alone."""
+    if renderer.settings.impulse_response is not None:
+        raise Error(
+            "renderer: expected frames that do not last, as views from single poses have no times; "
+            "sequences are rendered by Renderer.dataset, which has time_s"
+        )
+    if receptors and len(renderer.eye.receptor_type) == 0:
+        raise Error("receptors: the eye has none; omma.receptors.assign_receptors gives it some")
 
 
 def _classes(name: str) -> Any:

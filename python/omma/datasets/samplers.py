@@ -115,7 +115,12 @@ def read_pose_set(table: Table, folder: Path, scenes: list[str]) -> PoseSet:
         found["saccades_per_s"] = table.take("saccades_per_s", number_above_0, 1.0)
         found["saccade_deg"] = table.take("saccade_deg", span, (30.0, 120.0))
         found["saccade_s"] = table.take("saccade_s", number_above_0, 0.05)
-        found["climb_deg"] = table.take("climb_deg", span, (0.0, 0.0))
+        climb = found["climb_deg"] = table.take("climb_deg", span, (0.0, 0.0))
+        if not climb[0] <= 0 <= climb[1]:
+            raise Error(
+                f"{table.where}.climb_deg: expected a range to draw from with level ways in it, "
+                f"as [-10, 10], found {list(climb)}, by which walks leave any box"
+            )
     else:
         found["count"] = table.take("count", count)
         for angle in ("yaw_deg", "pitch_deg", "roll_deg"):
