@@ -96,9 +96,9 @@ def torch_renders(
         omma.Error: labels of another number than poses, names that are taken or unknown; no PyTorch
             (``omma[torch]``).
     """
-    _expect_views(renderer, receptors)
     matrices = as_poses(poses)
     wanted = _truth_names(truth, receptors)
+    _expect_views(renderer, receptors)
     taken = {"response", "world_from_head", *wanted}
     rows: dict[str, NDArray[Any]] = {}
     if labels is not None and not isinstance(labels, Mapping):
@@ -148,8 +148,8 @@ def torch_render_stream(
     """
     size = whole(batch_size, "batch_size", 1, _MOST)
     number = whole(batches, "batches", 1, _MOST)
-    _expect_views(renderer, receptors)
     wanted = _truth_names(truth, receptors)
+    _expect_views(renderer, receptors)
     kind = _classes("torch_rendered").RenderStream
     return kind(renderer, draw, (size, number), wanted, receptors)
 
