@@ -8,13 +8,14 @@ from scipy.spatial import Voronoi
 from test_points import write_las, write_ply
 
 import omma
+from omma.eye.field import sphere_directions
 from omma.scene import Instance, PointCloud, merge_scenes, surfels
 from omma.scene.surfel_frames import frames_of
 
 RNG = np.random.default_rng(8)
 SPACING = 1e-3
 HOLE = omma.Background.constant((100.0, 0.0, 100.0))
-DOWN = omma.eye.generate_eye(4000).axis
+DOWN = sphere_directions(4000)
 DOWN = DOWN[DOWN[:, 1] < -0.03]  # down to 2 degrees below the horizon
 LOOKER = omma.Eye(np.zeros((len(DOWN), 3)), DOWN, np.zeros(len(DOWN)))
 
@@ -99,7 +100,7 @@ def test_a_sphere_is_seen_like_the_sphere():
     radius = 0.03
     scene = surfels(PointCloud(sphere_points(radius), colors=None))
     rng = np.random.default_rng(2)
-    axis = omma.eye.generate_eye(3000).axis
+    axis = sphere_directions(3000)
     eye = omma.Eye(np.zeros((len(axis), 3)), axis, np.zeros(len(axis)))
     for above in (1e-3, 10e-3, 30e-3):
         out = rng.normal(size=(30, 3))
