@@ -70,6 +70,17 @@ def test_an_eye_finds_back_how_it_was_turned():
     assert np.abs(turn.detach().numpy() - true).max() < 0.01
 
 
+def test_gradients_of_gradients_are_refused():
+    """They were silently zero."""
+    renderer = renderer_of(16)
+    width = torch.full((30,), 0.05, dtype=torch.float64, requires_grad=True)
+    weights = torch.ones((30, 3), dtype=torch.float64, requires_grad=True)
+    seen = omma.rendering.torch_responses(renderer, POSES[:1], acceptance_angle_rad=width)
+    (gradient,) = torch.autograd.grad((weights * seen[0]).sum(), width, create_graph=True)
+    with pytest.raises(RuntimeError, match="differentiate twice"):
+        (gradient**2).sum().backward()
+
+
 def test_what_is_no_tensor_of_an_eye_is_refused():
     renderer = renderer_of(16)
     for wrong, message in (

@@ -36,6 +36,8 @@ def torch_responses(
 
     Values are those of `Renderer.jacobian`: eight independent estimates, unbiased, and so are the
     gradients. Only gradients that a tensor asks for are worked out; without any it is a render.
+    Gradients of gradients are refused (a RuntimeError of PyTorch), as in gradient penalties, and
+    transforms of `torch.func` are: `torch.autograd.functional.jacobian` works.
 
     Args:
         renderer: whose world, sampling (`omma.Fixed`) and remaining eye are taken.
@@ -92,7 +94,9 @@ def _function_of(
             }
             return torch.from_numpy(context.found.responses.astype(np.float64))
 
+        # Gradients of gradients would have to know second derivatives: PyTorch refuses them.
         @staticmethod
+        @torch.autograd.function.once_differentiable  # type: ignore[untyped-decorator]
         def backward(context: Any, cotangent: Any) -> tuple[Any, ...]:
             gradients = context.found.vjp(cotangent.detach().cpu().numpy())
             return tuple(
