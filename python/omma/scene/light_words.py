@@ -26,7 +26,7 @@ _AIR = "visibility_m"  # of `with_air`
 _NAMED_BANDS = {"visible": (12, 400.0, 700.0)}
 
 
-def parse_light(text: str) -> dict[str, Any]:
+def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
     """The arguments of `omma.World` that light it, from words such as "clear_sky
     sun_elevation_deg=30 ultraviolet=dark".
 
@@ -35,6 +35,9 @@ def parse_light(text: str) -> dict[str, Any]:
     width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, ``visibility_m`` of
     `omma.light.with_air`, and ``lighting``, ``depth``, ``polarized``, ``ultraviolet``, ``sun`` and
     ``emission_cd_m2`` of `omma.World`.
+
+    Args:
+        bands: where the words do not say.
 
     Raises:
         omma.Error: it is no such text, or an argument is out of its range.
@@ -63,6 +66,8 @@ def parse_light(text: str) -> dict[str, Any]:
     try:
         if _BANDS in given:
             given[_BANDS] = Bands.equal(*_NAMED_BANDS.get(given[_BANDS], (given[_BANDS],)))
+        elif bands is not None:
+            given[_BANDS] = bands
         light: Light = make(**given)
         if visibility_m is not None:
             light = skies.with_air(light, visibility_m)
