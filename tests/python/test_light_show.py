@@ -126,13 +126,25 @@ def test_the_command(tmp_path, run_omma, kind):
     assert out == f"wrote {name}\n"
 
 
-def test_below_the_horizon(tmp_path, run_omma):
-    """Where a clear sky ends it says which one goes on."""
-    name = str(tmp_path / "sky.png")
-    given = ("light", "show", "--sun", "-12", "--wavelength", "440", "-o", name)
-    code, _, err = run_omma(*given)
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["--sun", -12], "--sun: expected -8 to 90, found -12; --kind natural goes on"),
+        (["--sun", -12, "--kind", "overcast"], "found -12; in Python, omma.light.clouded before"),
+        (["--sun", -12, "--kind", "moonlit"], "--sun: expected -8 to 90, found -12"),
+        (["--light", "clear_sky sun_elevation_deg=-12"], "found -12; natural_sky goes on"),
+        (
+            ["--light", "cloudy_sky sun_elevation_deg=-12"],
+            "found -12; in Python, omma.light.clouded before omma.light.natural_sky goes on",
+        ),
+    ],
+)
+def test_below_the_horizon(tmp_path, run_omma, given, told):
+    """Where a clear sky ends it says which one goes on, as it is said there."""
+    code, _, err = run_omma("light", "show", *given, "-o", tmp_path / "sky.png")
     assert code == 1
-    assert "--sun: expected -8 to 90, found -12.0; omma.light.natural_sky goes on" in err
+    assert told in err
+    assert ("--kind natural" in err) == ("--kind natural" in told)
 
 
 @pytest.mark.parametrize("moment", ["2026-06-21T12:00:00+02:00", "2026-06-21T23:59:00+02:00"])
@@ -260,12 +272,15 @@ def test_a_title_says_what_was_done():
         f"{said}, air of visibility 500 m": air(clear, 500),
         f"{said}, its own air": air(clear),
         f"{said}, turned by 30°": clear.turned(30),
+        f"{said}, turned by -40°": clear.turned(-400),
         f"0.5 × {said} + uniform sky, radiance 2": 0.5 * clear + even,
         f"2 × ({said} + uniform sky, radiance 2), all deck": omma.light.clouded(
             2 * (clear + even), 1, "deck"
         ),
     }
     assert [light_title(light) for light in titles.values()] == list(titles)
+    around = omma.light.clear_sky(40, sun_azimuth_deg=405, bands=few)
+    assert light_title(around) == said
 
 
 def clouded(cover_at):

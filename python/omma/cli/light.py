@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -127,14 +130,17 @@ def show(
             shown = _in_words(light, [name for name, one in beside.items() if one is not None])
         else:
             chosen = _checked_kind(kind or "clear")
-            with as_named(
-                sun_elevation_deg="sun",
-                sun_azimuth_deg="azimuth",
-                ozone_du="ozone",
-                height_m="height",
-                latitude_deg="place",
-                longitude_deg="place",
-            ):
+            named = {
+                "sun_elevation_deg": "sun",
+                "moon_elevation_deg": "sun",
+                "sun_azimuth_deg": "azimuth",
+                "moon_azimuth_deg": "azimuth",
+                "ozone_du": "ozone",
+                "height_m": "height",
+                "latitude_deg": "place",
+                "longitude_deg": "place",
+            }
+            with _skies_by_kind(), as_named(**named):
                 said["bands"] = Bands.from_edges(_EDGES_NM)
                 shown = _sky(chosen, sun, azimuth or 0.0, time, place, said)
         with as_named(wavelengths_nm="wavelength"):
@@ -158,6 +164,17 @@ def _checked_kind(kind: str) -> str:
             "others, such as --light 'cloudy_sky sun_elevation_deg=30'"
         )
     return kind
+
+
+@contextmanager
+def _skies_by_kind() -> Iterator[None]:
+    """Errors inside say --kind where they name the sky that goes on where a clear one ends."""
+    try:
+        yield
+    except Error as error:
+        raise Error(
+            re.sub("; natural_sky(_at)? goes", "; --kind natural goes", str(error))
+        ) from None
 
 
 def _sky(
