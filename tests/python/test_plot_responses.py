@@ -323,6 +323,26 @@ def test_long_names_of_receptors_stay_in_the_figure(drawn, errors):
         assert above.y0 >= below.y1 - 1  # pixels: they do not touch
 
 
+def test_what_of_stokes_vectors_is_drawn_is_said(drawn):
+    eye, random = make_eye(50), np.random.default_rng(1)
+    responses = random.random((2, 50, 3, 4)) * [[1], [0.1], [0.1]]
+    for each in (responses, responses[0]):
+        with pytest.raises(
+            omma.Error, match=r"of Stokes vectors responses\[\.\.\., 0, :\] is the intensity, and"
+        ):
+            drawn(eye, each, channels=[0])
+    assert drawn(eye, responses[..., 0, :], channels=[2])
+    # As the message has it.
+    band, numpy = 1, np
+    i, q, u = numpy.moveaxis(responses[..., band], -1, 0)
+    degree = numpy.hypot(q, u) / i
+    assert degree.shape == (2, 50)
+    scale = drawn(eye, degree, quantity="degree of polarisation", full_scale=1).axes[-1]
+    assert scale.get_xlabel().startswith("degree of polarisation")
+    with pytest.raises(omma.Error, match=r"found \(2, 50, 4, 4\)$"):
+        drawn(eye, random.random((2, 50, 4, 4)))
+
+
 def test_other_numbers_than_responses_are_called_what_they_are(drawn):
     values = np.linspace(0, 3, 150).reshape(50, 3)
     eye = make_eye(50)

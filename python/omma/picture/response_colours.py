@@ -66,6 +66,7 @@ def bands_shown(
         raise Error(
             f"{name}: expected shape ({len(eye)}, bands) or (poses, {len(eye)}, bands), or of one "
             f"channel ({len(eye)},) or (poses, {len(eye)}), found {np.shape(responses)}"
+            + (_of_stokes(name) if np.shape(responses)[-3:-1] == (len(eye), 3) else "")
         )
     bands = array.shape[2]
     if channels is None:
@@ -97,6 +98,14 @@ def _no_channels(bands: int, name: str) -> str:
             f"numpy.linalg.norm({name}, axis=-1) in their place the length"
         )
     return text
+
+
+def _of_stokes(name: str) -> str:
+    return (
+        f"; of Stokes vectors {name}[..., 0, :] is the intensity, and with i, q, u = "
+        f"numpy.moveaxis({name}[..., band], -1, 0) numpy.hypot(q, u) / i the degree of "
+        "polarisation, a channel (docs/light.md)"
+    )
 
 
 def _labels(responses: Any) -> tuple[str | None, Sequence[str] | None]:
