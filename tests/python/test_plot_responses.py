@@ -278,8 +278,8 @@ def test_crossed_receptors_are_two_channels():
     shown = response_colours.receptors_shown(eye, responses, None, "responses")
     assert shown.names == (
         "green (520 nm)",
-        "along, uv (350 nm, microvilli 0°)",
-        "across, uv (350 nm, microvilli 90°)",
+        "along, uv (350 nm, microvilli 0° from each ommatidium's up)",
+        "across, uv (350 nm, microvilli 90° from each ommatidium's up)",
     )
     # What has no crossed ones shows its own ultraviolet in both, not the rim's.
     assert shown.values.tolist() == [[[9, 3, 1], [9, 5, 5], [9, 6, 6]]]

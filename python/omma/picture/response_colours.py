@@ -215,7 +215,10 @@ def _label(known: _Types, types: Sequence[int], peak: int, crossed: bool) -> str
     degrees = [f"{d}°" for d in _directions_deg(known, types)]
     many = f"mean of {len(degrees)} directions of microvilli"
     several = f"mean of microvilli at {', '.join(degrees)}" if len(degrees) <= 3 else many
-    return f"{text} ({peak} nm, {f'microvilli {degrees[0]}' if len(degrees) == 1 else several})"
+    if len(degrees) == 1:
+        # Else ommatidia whose up vectors lie in a fan would seem to look for one direction.
+        several = f"microvilli {degrees[0]} from each ommatidium's up"
+    return f"{text} ({peak} nm, {several})"
 
 
 def _direction_deg(receptor: ReceptorType) -> int | None:
