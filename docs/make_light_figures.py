@@ -21,7 +21,8 @@ BLUE, RED, GREEN = COLOURS[0], COLOURS[1], COLOURS[2]
 def main():
     with figure_style(8.0):
         save_figure(frames_figure(), [str(DOCS / "light-frames.svg")])
-    light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=omma.light.Bands.equal(40))
+    bands = omma.light.Bands.from_edges([300, *range(305, 700, 10), 700])  # as omma light show
+    light = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=bands)
     omma.picture.plot_sky(DOCS / "light-sky.png", light)
     with figure_style(8.0):
         save_figure(clouds_figure(), [str(DOCS / "sky-clouds.png")])

@@ -117,9 +117,11 @@ def make_eye(count=60, seed=1, acceptance_deg=5.0, eye_id=0):
 @pytest.fixture(autouse=True)
 def new_session():
     """What is told once a session is told again in each test."""
-    from omma.scene.without_light import _told
+    from omma.rendering import without_polarisation
+    from omma.scene import without_light
 
-    _told.clear()
+    without_light._told.clear()
+    without_polarisation._told.clear()
 
 
 @pytest.fixture

@@ -138,3 +138,12 @@ def test_names_of_files_and_words_stay():
     assert as_typed("x: needs look_at and standard_error=True", options) == (
         "x: needs --look-at and --standard-error"
     )
+
+
+def test_calls_of_python_stay():
+    options = {"--look-at", "--unit", "--standard-error"}
+    call = 'omma.f.g(a, numpy.load(look_at), standard_error=True, unit="mm")'
+    message = f"unit: expected standard_error=True, {call} or {call} and look_at"
+    assert as_typed(message, options) == (
+        f"--unit: expected --standard-error, {call} or {call} and --look-at"
+    )

@@ -352,6 +352,8 @@ def test_wrong_jobs(tmp_path, old, new, words):
         ("", "[[condition]]\nname = 'a'\nbake = {paths = 16}", "", "bake: goes with a light"),
         ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\nbake = {paths = 16}",
          "", r'condition\[0\].bake: goes with lighting = "baked"'),
+        ("", "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\npolarized = 'yes'",
+         "", r"condition\[0\].polarized: expected true or false, found yes"),
     ],
 )  # fmt: skip
 def test_outputs_and_light_that_cannot_be(tmp_path, dataset, more, poses, words):
@@ -465,6 +467,35 @@ def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
     data = xarray.open_zarr(tmp_path / "job.zarr")
     seen = omma.Renderer(world, eye, omma.Fixed(2)).render(data.world_from_head.values)
     np.testing.assert_array_equal(data.response, seen)
+
+
+def test_receptors_see_polarised_light_where_the_job_says_so(tmp_path):
+    job = write_job(
+        tmp_path,
+        count=2,
+        dataset='outputs = ["receptors"]',
+        rendering="bands = 4",
+        more="[[condition]]\nname = 'dusk'\nultraviolet = 'dark'\npolarized = true\n"
+        "light = {sky = 'clear_sky', sun_elevation_deg = 5}\n",
+    )
+    eye = omma.load_eye(tmp_path / "bug.csv")
+    across = omma.receptors.ReceptorType(
+        "rim", peak_wavelength_nm=345, polarisation_sensitivity=6.3
+    )
+    kind = omma.receptors.OmmatidiumType("rim", (across,))
+    omma.save_eye(tmp_path / "bug.csv", omma.receptors.assign_receptors(eye, kind))
+    datasets.run(job)
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    world = omma.World(
+        omma.load_scene(tmp_path / "scene.gltf"),
+        light=omma.light.clear_sky(5, bands=omma.light.Bands.equal(4)),
+        ultraviolet="dark",
+        polarized=True,
+    )
+    seen = omma.Renderer(world, omma.load_eye(tmp_path / "bug.csv"), omma.Fixed(2))
+    np.testing.assert_array_equal(
+        data.receptor_response, seen.render_receptors(data.world_from_head.values)
+    )
 
 
 def test_poses_that_stand_alone_have_no_walk(made, tmp_path):

@@ -56,6 +56,11 @@ def named_files(tmp_path_factory):
     for name in ("honeybee", "right", "eye"):
         omma.save_eye(folder / f"{name}.csv", eye)
     omma.save_eye(folder / "bee.csv", receptors)
+    across = omma.receptors.ReceptorType(
+        "rim", peak_wavelength_nm=345, polarisation_sensitivity=6.3
+    )
+    rim = omma.receptors.OmmatidiumType("rim", (across,))
+    omma.save_eye(folder / "rim.csv", omma.receptors.assign_receptors(eye, rim))
     halves = omma.eye.split_eye(eye, 0.5e-3)
     omma.save_eye(folder / "head.eye", halves, lossy=True)
     old = np.column_stack([eye.position_m * 1e3, eye.axis, np.full(len(eye), 5.0)])

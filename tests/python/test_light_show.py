@@ -13,6 +13,9 @@ from omma.picture.sky_plots import neutral_points
 
 pytest.importorskip("matplotlib")
 
+# Of the command's lights.
+EDGES_NM = [300, *np.arange(305, 700, 10), 700]
+
 
 def test_a_figure_of_each_kind(tmp_path):
     few = omma.light.Bands.equal(4)
@@ -53,6 +56,67 @@ def test_what_cannot_be_drawn(tmp_path):
         omma.picture.plot_sky(tmp_path / "a.png", 3)
 
 
+@pytest.fixture
+def figures(monkeypatch):
+    """Those that are drawn, in place of files."""
+    from omma.picture import sky_plots
+
+    drawn = []
+    monkeypatch.setattr(sky_plots, "save", lambda one, *_: drawn.append(one))
+    return drawn
+
+
+def rows(figure):
+    return [one.get_ylabel() for one in figure.axes if one.get_ylabel().endswith(" nm")]
+
+
+def test_wavelengths_are_drawn_in_the_bands_that_they_lie_in(figures):
+    wide = omma.light.Bands.from_edges([300, 500, 510])
+    visible = omma.light.Bands.equal(12, 400, 700)
+    tuned = omma.light.Bands.from_sensitivities(
+        [340, 350, 360, 540, 550, 560], [[0, 1, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0]]
+    )
+    for bands, asked, shown in (
+        (wide, [480, 510, 300], ["400 nm", "505 nm", "400 nm"]),
+        (visible, None, ["438 nm", "538 nm"]),
+        (omma.light.Bands.equal(1, 600, 700), None, ["650 nm"]),
+        (omma.light.Bands.equal(1), None, ["500 nm"]),
+        (tuned, [341, 559], ["350 nm", "550 nm"]),
+    ):
+        omma.picture.plot_sky("a.png", omma.light.uniform_sky(bands=bands), asked)
+        assert rows(figures[-1]) == shown
+
+
+@pytest.mark.parametrize(
+    ("asked", "found"),
+    [(0, "0"), (299, "299"), (900, "900"), (0.44, "0.44; 0.44 µm would be 440 nm")],
+)
+def test_wavelengths_beyond_the_light_are_refused(asked, found, tmp_path, run_omma):
+    told = f"expected 300 to 700 nm, where the bands of this light are, found {found}"
+    with pytest.raises(omma.Error, match=f"wavelengths_nm: {told}"):
+        omma.picture.plot_sky(tmp_path / "a.png", omma.light.uniform_sky(), [550, asked])
+    code, _, err = run_omma(
+        "light", "show", "--sun", 30, "--wavelength", asked, "-o", tmp_path / "a.png"
+    )
+    assert code == 1
+    assert f"--wavelength: {told}" in err
+
+
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [
+        (["--sun", 30], ["350 nm", "440 nm", "550 nm"]),
+        (["--light", "overcast_sky sun_elevation_deg=30"], ["350 nm", "440 nm", "550 nm"]),
+        (["--sun", 30, "--wavelength", 310, "--wavelength", 646], ["310 nm", "650 nm"]),
+        (["--light", "uniform_sky bands=visible"], ["438 nm", "538 nm"]),
+    ],
+)
+def test_the_command_draws_bands_about_what_is_asked(figures, run_omma, tmp_path, given, shown):
+    code, _, err = run_omma("light", "show", *given, "-o", tmp_path / "a.png")
+    assert (code, err) == (0, "")
+    assert rows(figures[0]) == shown
+
+
 @pytest.mark.parametrize("kind", ["clear", "moonlit"])
 def test_the_command(tmp_path, run_omma, kind):
     name = str(tmp_path / "sky.png")
@@ -62,13 +126,25 @@ def test_the_command(tmp_path, run_omma, kind):
     assert out == f"wrote {name}\n"
 
 
-def test_below_the_horizon(tmp_path, run_omma):
-    """Where a clear sky ends it says which one goes on."""
-    name = str(tmp_path / "sky.png")
-    given = ("light", "show", "--sun", "-12", "--wavelength", "440", "-o", name)
-    code, _, err = run_omma(*given)
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["--sun", -12], "--sun: expected -8 to 90, found -12; --kind natural goes on"),
+        (["--sun", -12, "--kind", "overcast"], "found -12; in Python, omma.light.clouded before"),
+        (["--sun", -12, "--kind", "moonlit"], "--sun: expected -8 to 90, found -12"),
+        (["--light", "clear_sky sun_elevation_deg=-12"], "found -12; natural_sky goes on"),
+        (
+            ["--light", "cloudy_sky sun_elevation_deg=-12"],
+            "found -12; in Python, omma.light.clouded before omma.light.natural_sky goes on",
+        ),
+    ],
+)
+def test_below_the_horizon(tmp_path, run_omma, given, told):
+    """Where a clear sky ends it says which one goes on, as it is said there."""
+    code, _, err = run_omma("light", "show", *given, "-o", tmp_path / "sky.png")
     assert code == 1
-    assert "--sun: expected -8 to 90, found -12.0; omma.light.natural_sky goes on" in err
+    assert told in err
+    assert ("--kind natural" in err) == ("--kind natural" in told)
 
 
 @pytest.mark.parametrize("moment", ["2026-06-21T12:00:00+02:00", "2026-06-21T23:59:00+02:00"])
@@ -129,8 +205,9 @@ def test_any_light_that_is_rendered_under(tmp_path, run_omma, monkeypatch, words
     monkeypatch.setattr(command, "plot_sky", lambda names, light, nm: drawn.append(light))
     code, _, err = run_omma("light", "show", "--light", words, "-o", str(tmp_path / "sky.png"))
     assert (code, err) == (0, "")
-    fine = words if "bands=" in words else f"{words} bands=40"
-    assert drawn == [parse_light(fine)["light"]]
+    assert drawn == [parse_light(words, omma.light.Bands.from_edges(EDGES_NM))["light"]]
+    if "bands=" in words:
+        assert drawn == [parse_light(words)["light"]]
 
 
 def test_lamps_alone_are_dark(tmp_path, run_omma):
@@ -199,12 +276,15 @@ def test_a_title_says_what_was_done():
         f"{said}, air of visibility 500 m": air(clear, 500),
         f"{said}, its own air": air(clear),
         f"{said}, turned by 30°": clear.turned(30),
+        f"{said}, turned by -40°": clear.turned(-400),
         f"0.5 × {said} + uniform sky, radiance 2": 0.5 * clear + even,
         f"2 × ({said} + uniform sky, radiance 2), all deck": omma.light.clouded(
             2 * (clear + even), 1, "deck"
         ),
     }
     assert [light_title(light) for light in titles.values()] == list(titles)
+    around = omma.light.clear_sky(40, sun_azimuth_deg=405, bands=few)
+    assert light_title(around) == said
 
 
 def clouded(cover_at):

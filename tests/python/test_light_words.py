@@ -49,6 +49,9 @@ def test_they_are_the_arguments_of_a_world():
     clouds = parse_light("cloudy_sky sun_elevation_deg=30 cloud_fraction=0.3 kind=cirrus bands=4")
     few = omma.light.Bands.equal(4)
     assert clouds == {"light": omma.light.cloudy_sky(30, 0.3, "cirrus", bands=few)}
+    for said in ("True", "true", "False"):
+        given = parse_light(f"uniform_sky polarized={said}")
+        assert given == {"light": omma.light.uniform_sky(), "polarized": said != "False"}
     visible = parse_light("uniform_sky bands=visible")
     assert visible == {"light": omma.light.uniform_sky(bands=omma.light.Bands.equal(12, 400, 700))}
 
@@ -69,6 +72,7 @@ def test_they_are_the_arguments_of_a_world():
         ("clear_sky sun_elevation_deg=30 depth=1e30", "light: depth: expected a whole number"),
         ("clear_sky sun_elevation_deg=30 ultraviolet=inf", "light: ultraviolet: expected"),
         ("clear_sky sun_elevation_deg=30 sun=high", "light: sun: expected"),
+        ("clear_sky sun_elevation_deg=30 polarized=1", "light: polarized: expected True or False"),
         ("clear_sky_at date_time=noon latitude_deg=0 longitude_deg=0", "date_time: expected one"),
     ],
 )
@@ -130,6 +134,39 @@ def test_a_camera_has_colours(files, tmp_path):
     every = np.asarray(Image.open(tmp_path / "all" / "plain.png"))
     assert every.shape == (30, 40, 3)
     assert (every[0, :, 2] > every[0, :, 0]).all()  # the sky is blue
+
+
+def test_receptors_see_polarisation_where_it_is_said(files, tmp_path, run_omma):
+    """Of crossed receptors under a clear sky, on the command line as in Python, and again."""
+    pytest.importorskip("xarray")
+    along, across = (
+        omma.receptors.ReceptorType(
+            name,
+            peak_wavelength_nm=345,
+            microvillus_angle_rad=np.radians(angle),
+            polarisation_sensitivity=6.3,
+        )
+        for name, angle in (("along", 0), ("across", 90))
+    )
+    kind = omma.receptors.OmmatidiumType("rim", (along, across))
+    omma.save_eye(tmp_path / "rim.csv", omma.receptors.assign_receptors(make_eye(40), kind))
+    written, again = tmp_path / "rim.npy", tmp_path / "again.npy"
+    code, _, err = run_omma(
+        "render", files / "scene.gltf", "--eye", tmp_path / "rim.csv", "--receptors",
+        "--light", f"{WORDS} polarized=True", "--position", 0, 1, 0, "-o", written,
+    )  # fmt: skip
+    assert code == 0, err
+    world = omma.World(omma.load_scene(files / "scene.gltf"), **parse_light(WORDS), polarized=True)
+    renderer = omma.Renderer(world, omma.load_eye(tmp_path / "rim.csv"))
+    expected = renderer.render_receptors(omma.poses_from_angles((0, 1, 0), (0, 0, 0)))
+    found = np.load(written)
+    assert np.array_equal(found, expected)
+    # Far more than the error of 16 rays, which the two of an ommatidium share.
+    crossed = found.reshape(40, 2)
+    assert np.max(np.abs(crossed[:, 0] / crossed[:, 1] - 1)) > 0.5
+    assert omma.rendering.load_responses(written).attrs["polarized"] == 1
+    render_like(written, again)
+    assert np.array_equal(np.load(again), found)
 
 
 def test_the_command(files, tmp_path, run_omma):

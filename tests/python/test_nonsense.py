@@ -82,3 +82,9 @@ def test_functions_are_what_they_were(tmp_path, eye):
         omma.save_eye(tmp_path / "a.eye")
     with pytest.raises(TypeError, match="unexpected keyword argument 'units'; did you mean 'unit'"):
         omma.save_eye(tmp_path / "a.eye", eye, units="mm")
+
+
+@pytest.mark.parametrize("what", ["stokes", "receptors", "rays"])
+def test_what_has_a_method_of_its_own_is_told(eye, what):
+    with pytest.raises(TypeError, match=f"'{what}'; did you mean the method render_{what}"):
+        omma.Renderer(omma.Scene(), eye).render(np.eye(4), **{what: True})

@@ -15,6 +15,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from capture_files import write_transforms
 from conftest import DATA
@@ -257,6 +258,16 @@ def folder(tmp_path):
         omma.load_eye(few), omma.receptors.honeybee_ommatidia()
     )
     omma.save_eye(tmp_path / "bee.csv", receptors)
+    crossed = [
+        omma.receptors.ReceptorType(
+            name, peak_wavelength_nm=345, microvillus_angle_rad=angle, polarisation_sensitivity=6.3
+        )
+        for name, angle in (("along", 0), ("across", np.pi / 2))
+    ]
+    rim = omma.receptors.assign_receptors(
+        receptors, omma.receptors.OmmatidiumType("rim", crossed), where=lambda a, e: e > 1
+    )
+    omma.save_eye(tmp_path / "rim.csv", rim)
     around = [omma.look_at((x, 1, 3), (0, 0, 0)) for x in (-1, 0, 1)]
     write_transforms(tmp_path / "transforms.json", around)
     (tmp_path / "petals.csv").write_text(PETALS)

@@ -278,8 +278,8 @@ def test_crossed_receptors_are_two_channels():
     shown = response_colours.receptors_shown(eye, responses, None, "responses")
     assert shown.names == (
         "green (520 nm)",
-        "along, uv (350 nm, microvilli 0°)",
-        "across, uv (350 nm, microvilli 90°)",
+        "along, uv (350 nm, microvilli 0° from each ommatidium's up)",
+        "across, uv (350 nm, microvilli 90° from each ommatidium's up)",
     )
     # What has no crossed ones shows its own ultraviolet in both, not the rim's.
     assert shown.values.tolist() == [[[9, 3, 1], [9, 5, 5], [9, 6, 6]]]
@@ -321,6 +321,26 @@ def test_long_names_of_receptors_stay_in_the_figure(drawn, errors):
     assert all(box.x0 >= 0 for box in boxes)
     for above, below in zip(boxes[:-1], boxes[1:], strict=True):
         assert above.y0 >= below.y1 - 1  # pixels: they do not touch
+
+
+def test_what_of_stokes_vectors_is_drawn_is_said(drawn):
+    eye, random = make_eye(50), np.random.default_rng(1)
+    responses = random.random((2, 50, 3, 4)) * [[1], [0.1], [0.1]]
+    for each in (responses, responses[0]):
+        with pytest.raises(
+            omma.Error, match=r"of Stokes vectors responses\[\.\.\., 0, :\] is the intensity, and"
+        ):
+            drawn(eye, each, channels=[0])
+    assert drawn(eye, responses[..., 0, :], channels=[2])
+    # As the message has it.
+    band, numpy = 1, np
+    i, q, u = numpy.moveaxis(responses[..., band], -1, 0)
+    degree = numpy.hypot(q, u) / i
+    assert degree.shape == (2, 50)
+    scale = drawn(eye, degree, quantity="degree of polarisation", full_scale=1).axes[-1]
+    assert scale.get_xlabel().startswith("degree of polarisation")
+    with pytest.raises(omma.Error, match=r"found \(2, 50, 4, 4\)$"):
+        drawn(eye, random.random((2, 50, 4, 4)))
 
 
 def test_other_numbers_than_responses_are_called_what_they_are(drawn):

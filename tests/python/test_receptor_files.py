@@ -106,7 +106,11 @@ def test_standard_errors_are_written_beside(run_omma, fly, files):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--eye", "fly.csv", "--receptors", "-o", "r.png"], "r.png: expected numbers"),
+        (
+            ["--eye", "fly.csv", "--receptors", "-o", "r.png"],
+            "r.png: expected numbers, not a picture, for responses of receptors; of .npy files, in "
+            "Python, omma.picture.plot_responses(picture, eye, numpy.load(file), receptors=True)",
+        ),
         (["--eye", "bug.eye", "--receptors", "-o", "r.npy"], "expected receptors, found none"),
         (["--eye", "fly.csv", "--ultraviolet", "dark", "-o", "r.npy"], "--ultraviolet: goes with"),
         (["--camera", "plain", "--receptors", "-o", "r.npy"], "receptors: is for eyes"),

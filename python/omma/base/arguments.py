@@ -346,6 +346,9 @@ def checked(function: F) -> F:
             unknown = next((name for name in named if name not in known_names), "")
             alike = difflib.get_close_matches(unknown, known_names, 1)
             hint = f"; did you mean {alike[0]!r}?" if alike else ""
+            method = f"{function.__name__}_{unknown}"  # as render_stokes
+            if unknown and arguments and hasattr(arguments[0], method):
+                hint = f"; did you mean the method {method}?"
             raise TypeError(f"{function.__qualname__}: {error}{hint}") from None
         for name, kinds in known().items():
             if name in given and not any(fits(given[name]) for fits, _ in kinds):

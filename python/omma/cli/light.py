@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -17,7 +20,7 @@ from omma.light.lights import Light
 from omma.light.nights import natural_sky, natural_sky_at
 from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
 from omma.picture.sky_plots import plot_sky
-from omma.scene.light_words import SKIES, parse_light
+from omma.scene.light_words import parse_light
 
 LIGHT_HELP = """
 Draw skies: their radiance, polarisation and spectrum.
@@ -49,8 +52,8 @@ that omma render takes, by the same words. docs/light.md says what the skies are
 `omma light show --light 'cloudy_sky sun_elevation_deg=30 cloud_fraction=0.3' -o clouds.png`
 """
 
-# Of figures: finer than eyes need.
-_BANDS = 40
+# Of figures: finer than eyes need, 10 nm about 310, 320 to 690, so that these are what is drawn.
+_EDGES_NM = (300, *range(305, 700, 10), 700)
 _KINDS = ("clear", "natural", "moonlit", "overcast")
 
 light_app = App(help=LIGHT_HELP, no_args_is_help=True)
@@ -102,7 +105,13 @@ def show(
         option("Kind of haze. Default: rural."),
     ] = None,
     wavelength: Annotated[
-        list[float] | None, option("To draw, nm; may be repeated. Default: 350, 440, 550.", "NM")
+        list[float] | None,
+        option(
+            "To draw, nm, 300 to 700: each in the band of 10 nm that it lies in, of those about "
+            "310, 320 to 690, or in that of --light, where it says its bands. May be repeated. "
+            "Default: 350, 440, 550.",
+            "NM",
+        ),
     ] = None,
     unit: Annotated[
         Literal["photons", "watts"] | None, option("Of light. Default: photons.")
@@ -121,17 +130,21 @@ def show(
             shown = _in_words(light, [name for name, one in beside.items() if one is not None])
         else:
             chosen = _checked_kind(kind or "clear")
-            with as_named(
-                sun_elevation_deg="sun",
-                sun_azimuth_deg="azimuth",
-                ozone_du="ozone",
-                height_m="height",
-                latitude_deg="place",
-                longitude_deg="place",
-            ):
-                said["bands"] = Bands.equal(_BANDS)
+            named = {
+                "sun_elevation_deg": "sun",
+                "moon_elevation_deg": "sun",
+                "sun_azimuth_deg": "azimuth",
+                "moon_azimuth_deg": "azimuth",
+                "ozone_du": "ozone",
+                "height_m": "height",
+                "latitude_deg": "place",
+                "longitude_deg": "place",
+            }
+            with _skies_by_kind(), as_named(**named):
+                said["bands"] = Bands.from_edges(_EDGES_NM)
                 shown = _sky(chosen, sun, azimuth or 0.0, time, place, said)
-        plot_sky(names, shown, wavelength or (350.0, 440.0, 550.0))
+        with as_named(wavelengths_nm="wavelength"):
+            plot_sky(names, shown, wavelength or None)
     for name in names:
         say(f"wrote {name}")
 
@@ -140,10 +153,7 @@ def _in_words(words: str, others: list[str]) -> Light:
     """The light of --light; ``others``: arguments that were given beside it."""
     if others:
         raise Error(f"{others[0]}: goes without --light, whose words say it all")
-    name, _, arguments = words.partition(" ")
-    if name in SKIES and "bands=" not in arguments:
-        words += f" bands={_BANDS}"
-    light: Light = parse_light(words)["light"]
+    light: Light = parse_light(words, Bands.from_edges(_EDGES_NM))["light"]
     return light
 
 
@@ -154,6 +164,17 @@ def _checked_kind(kind: str) -> str:
             "others, such as --light 'cloudy_sky sun_elevation_deg=30'"
         )
     return kind
+
+
+@contextmanager
+def _skies_by_kind() -> Iterator[None]:
+    """Errors inside say --kind where they name the sky that goes on where a clear one ends."""
+    try:
+        yield
+    except Error as error:
+        raise Error(
+            re.sub("; natural_sky(_at)? goes", "; --kind natural goes", str(error))
+        ) from None
 
 
 def _sky(

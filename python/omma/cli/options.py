@@ -135,7 +135,8 @@ LightOption = Annotated[
         "What lights the scene: a sky and its arguments, such as 'clear_sky "
         "sun_elevation_deg=30 sun_azimuth_deg=135 ultraviolet=dark' (docs/light.md); "
         "lighting=path (the default) follows it for each ray, lighting=baked finds most of it once "
-        "and keeps it. Default: no light, surfaces show the colours of the file.",
+        "and keeps it; polarized=True follows its polarisation, which receptors with microvilli "
+        "see. Default: no light, surfaces show the colours of the file.",
         "WORDS",
     ),
 ]

@@ -117,6 +117,12 @@ What the receptors of an eye answer, with as much ultraviolet as there is blue:
 
 `omma render meadow.glb --eye bee.csv --receptors --ultraviolet as_blue -o receptors.csv`
 
+And what those of a dorsal rim answer to the sky's polarisation, which is followed where the light
+says so:
+
+`omma render meadow_lit.glb --eye rim.csv --receptors
+--light 'clear_sky sun_elevation_deg=20 polarized=True' -o rim_receptors.csv`
+
 The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg; with
 --on-ground x_m,z_m or t_s,x_m,z_m,heading_deg.
 

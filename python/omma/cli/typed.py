@@ -11,6 +11,9 @@ _SAMPLING = re.compile(r"sampling: expected omma\.Fixed for (.+), found (ToError
 _SUBJECT = re.compile(r"(?:^|(?<=: ))\w+(?:(?:, | and )\w+)*(?=: )")
 # An argument with a value: name=value.
 _SAID = re.compile(r"\b([a-z_]+)=(?:\"([^\"]*)\"|'([^']*)'|([\d.]*\d)|(True))")
+# What is to be written in Python stays as it is: calls, with calls among their arguments.
+_CALL = re.compile(r"\bomma(?:\.\w+)+\((?:[^()]|\([^()]*\))*\)")
+_STAND_IN = "\x1a"  # in no message, of which Error escapes such characters
 # Arguments inside a message: only names with an underscore, as others are ordinary words.
 _OF_TWO_WORDS = re.compile(r"(?<![\w./=-])[a-z]+(?:_[a-z]+)+(?![\w./=-])")
 
@@ -38,5 +41,9 @@ def as_typed(message: str, options: Collection[str]) -> str:
         return f"{option}: not for {found[1]}, where --samples says how many rays there are"
 
     message = _SAMPLING.sub(sampling_said, message)
-    message = _SAID.sub(option_said, _SUBJECT.sub(options_of, message, count=1))
-    return _OF_TWO_WORDS.sub(lambda name: option_of(name[0]), message)
+    calls = _CALL.findall(message)
+    message = _SUBJECT.sub(options_of, _CALL.sub(_STAND_IN, message), count=1)
+    message = _OF_TWO_WORDS.sub(lambda name: option_of(name[0]), _SAID.sub(option_said, message))
+    for call in calls:
+        message = message.replace(_STAND_IN, call, 1)
+    return message

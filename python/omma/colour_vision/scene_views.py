@@ -12,6 +12,8 @@ from omma.colour_vision.targets import SceneTarget
 from omma.colour_vision.views import Seen, View, met
 from omma.light.lights import Light
 from omma.receptors.catches import photon_catch
+from omma.rendering.call import Call
+from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.scene.world import World
@@ -65,9 +67,11 @@ class SceneSeen:
         pose = self._on_target.copy()
         pose[:3, 3] += distance_m * self._towards
         frames = np.broadcast_to(pose, (_REPEATS, 4, 4))
+        # Without the word of `render_receptors` that polarisation is left out: here it always is.
+        calls = [Call.of(one, frames, {}, first_pose=0) for one in self._renderers]
         without, with_it = (
-            one.render_receptors(frames, first_pose=0).astype(np.float64) * self._each
-            for one in self._renderers
+            frames_of_receptors(one, None, None, False).responses.astype(np.float64) * self._each
+            for one in calls
         )
         more = with_it - without
         error = more.std(axis=0, ddof=1) / np.sqrt(_REPEATS)

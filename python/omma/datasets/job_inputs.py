@@ -21,7 +21,7 @@ from omma.datasets.tables import (
 )
 from omma.scene.baking import Bake
 from omma.scene.capture_cameras import capture_files
-from omma.scene.light_words import SKIES
+from omma.scene.light_words import OF_WORLD, SKIES
 
 
 @dataclass(frozen=True)
@@ -148,11 +148,9 @@ def read_condition(table: Table, folder: Path) -> Condition:
         light = Table(table.take("light", same), f"{table.where}.light")
         sky = light.take("sky", choices(SKIES))
         sky_options = light.rest()
-    world = {
-        key: table.take(key, same)
-        for key in ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
-        if table.has(key)
-    }
+    world = {key: table.take(key, same) for key in OF_WORLD if table.has(key)}
+    if not isinstance(world.get("polarized", False), bool):
+        raise Error(f"{table.where}.polarized: expected true or false, found {world['polarized']}")
     if table.has("bake"):
         world["bake"] = _bake(Table(table.take("bake", same), f"{table.where}.bake"))
     if world and not sky:

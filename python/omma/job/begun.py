@@ -121,7 +121,11 @@ def view_of(begun: Begun) -> View:
         fixed_samples(job.settings.sampling, "receptors")
         for name in begun.names:
             if Path(name).suffix.lower() in (".png", ".mp4"):
-                raise Error(f"{name}: expected numbers, not a picture, for responses of receptors")
+                raise Error(
+                    f"{name}: expected numbers, not a picture, for responses of receptors; of "
+                    ".npy files, in Python, omma.picture.plot_responses(picture, eye, "
+                    "numpy.load(file), receptors=True) draws one"
+                )
     begun.tell("Reading the eye", None)
     head, files = _head(begun)
     if job.receptors and len(head.receptor_type) == 0:

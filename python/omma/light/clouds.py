@@ -19,7 +19,7 @@ from omma.light.cie_skies import scattered
 from omma.light.cloud_shadow import CloudShadow
 from omma.light.discs import Disc
 from omma.light.lights import Light, is_under_water, makes_light
-from omma.light.skies import clear_sky
+from omma.light.skies import CLOUDS_BY_NIGHT, check_not_night, clear_sky
 from omma.light.units import Unit
 
 Kind = Literal["cumulus", "cirrus", "deck"]
@@ -173,6 +173,7 @@ def cloudy_sky(
     Raises:
         omma.Error: a number out of range.
     """
+    check_not_night(sun_elevation_deg, CLOUDS_BY_NIGHT)
     clear = clear_sky(sun_elevation_deg, sun_azimuth_deg=sun_azimuth_deg, bands=bands, unit=unit)
     return clouded(clear, cloud_fraction, kind, seed=seed, shadow_height_m=shadow_height_m)
 

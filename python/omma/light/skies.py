@@ -31,6 +31,8 @@ from omma.light.sun_position import sun_position
 from omma.light.units import Unit, check_unit
 
 CLEAR_SKY_AEROSOL = 0.1  # of `clear_sky`, where nothing is said
+# What goes on where clouds before a clear sky end with it.
+CLOUDS_BY_NIGHT = "in Python, omma.light.clouded before omma.light.natural_sky"
 
 # Visual magnitudes of the sun and of the full moon, and how much a moon that is not full loses
 # (Allen, Astrophysical Quantities, 3rd edition, 1973), good to 150 degrees of phase angle.
@@ -128,6 +130,7 @@ def clear_sky(
     Raises:
         omma.Error: a number out of the tables' range, or bands out of 300 to 700 nm.
     """
+    check_not_night(sun_elevation_deg, "natural_sky")
     bands = bands or Bands.equal()
     check_unit(unit)
     check_range(bands.wavelength_nm)
@@ -177,6 +180,7 @@ def clear_sky_at(
             range, a sun that the tables do not have, or PyEphem is not installed.
     """
     sun = sun_position(date_time, latitude_deg, longitude_deg)
+    check_not_night(sun.elevation_deg, "natural_sky_at")
     return clear_sky(
         sun.elevation_deg,
         sun_azimuth_deg=sun.azimuth_deg,
@@ -288,6 +292,7 @@ def overcast_sky(
     """
     if positive(cloud_transmittance, "cloud_transmittance") > 1:
         raise Error(f"cloud_transmittance: expected at most 1, found {cloud_transmittance}")
+    check_not_night(sun_elevation_deg, CLOUDS_BY_NIGHT)
     clear = clear_sky(
         sun_elevation_deg,
         aerosol=aerosol,
@@ -307,6 +312,15 @@ def overcast_sky(
     sky[:] = shape[:, :, None, None, None] * level / (7 / 9 * np.pi)
     sky[1] = albedo * level / np.pi
     return Light(clear.bands, unit, sky)
+
+
+def check_not_night(sun_elevation_deg: float, onwards: str) -> None:
+    """omma.Error where the sun is below the tables' lowest, which says what goes ``onwards``."""
+    if -90 <= sun_elevation_deg < LOWEST_SUN_DEG:
+        raise Error(
+            f"sun_elevation_deg: expected {LOWEST_SUN_DEG:g} to 90, found {sun_elevation_deg:g}; "
+            f"{onwards} goes on into the night"
+        )
 
 
 def _disc(

@@ -104,11 +104,6 @@ def clear_sky_map(
             another shape or below 0.
     """
     nm, weights = _bands(wavelength_nm, weight)
-    if -90 <= sun_elevation_deg < LOWEST_SUN_DEG:
-        raise Error(
-            f"sun_elevation_deg: expected {LOWEST_SUN_DEG:g} to 90, found "
-            f"{sun_elevation_deg!r:.40}; omma.light.natural_sky goes on into the night"
-        )
     _within(sun_elevation_deg, "sun_elevation_deg", LOWEST_SUN_DEG, 90)
     _within(sun_azimuth_deg, "sun_azimuth_deg", -1e6, 1e6)
     _within(height_m, "height_m", 0, MOST_HEIGHT_M)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
@@ -34,6 +35,7 @@ def light_title(light: Light) -> str:
         quantity, _, ending = key.rpartition("_")
         if isinstance(value, (int, float)):
             unit = _UNITS.get(ending, "")
+            value = _within_a_turn(value) if key.endswith("azimuth_deg") else value
             words.append(f"{(quantity if unit else key).replace('_', ' ')} {value:g}{unit}")
         elif key == "haze_kind":
             words.append(f"{value} haze")
@@ -62,9 +64,14 @@ def _air(arguments: Mapping[str, Any]) -> str:
     return "its own air" if visibility_m is None else f"air of visibility {visibility_m:g} m"
 
 
+def _within_a_turn(azimuth_deg: float) -> float:
+    """Without whole turns."""
+    return math.fmod(azimuth_deg, 360.0)
+
+
 _CHANGES: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "clouded": _clouds,
     "under_water": _water,
     "with_air": _air,
-    "turned": lambda arguments: f"turned by {arguments['azimuth_deg']:g}°",
+    "turned": lambda arguments: f"turned by {_within_a_turn(arguments['azimuth_deg']):g}°",
 }

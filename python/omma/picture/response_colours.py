@@ -66,6 +66,7 @@ def bands_shown(
         raise Error(
             f"{name}: expected shape ({len(eye)}, bands) or (poses, {len(eye)}, bands), or of one "
             f"channel ({len(eye)},) or (poses, {len(eye)}), found {np.shape(responses)}"
+            + (_of_stokes(name) if np.shape(responses)[-3:-1] == (len(eye), 3) else "")
         )
     bands = array.shape[2]
     if channels is None:
@@ -97,6 +98,14 @@ def _no_channels(bands: int, name: str) -> str:
             f"numpy.linalg.norm({name}, axis=-1) in their place the length"
         )
     return text
+
+
+def _of_stokes(name: str) -> str:
+    return (
+        f"; of Stokes vectors {name}[..., 0, :] is the intensity, and with i, q, u = "
+        f"numpy.moveaxis({name}[..., band], -1, 0) numpy.hypot(q, u) / i the degree of "
+        "polarisation, a channel (docs/light.md)"
+    )
 
 
 def _labels(responses: Any) -> tuple[str | None, Sequence[str] | None]:
@@ -206,7 +215,10 @@ def _label(known: _Types, types: Sequence[int], peak: int, crossed: bool) -> str
     degrees = [f"{d}°" for d in _directions_deg(known, types)]
     many = f"mean of {len(degrees)} directions of microvilli"
     several = f"mean of microvilli at {', '.join(degrees)}" if len(degrees) <= 3 else many
-    return f"{text} ({peak} nm, {f'microvilli {degrees[0]}' if len(degrees) == 1 else several})"
+    if len(degrees) == 1:
+        # Else ommatidia whose up vectors lie in a fan would seem to look for one direction.
+        several = f"microvilli {degrees[0]} from each ommatidium's up"
+    return f"{text} ({peak} nm, {several})"
 
 
 def _direction_deg(receptor: ReceptorType) -> int | None:

@@ -108,9 +108,10 @@ def plot_responses(
         receptors: ``responses`` are receptors', (R,) or (P, R), as `Renderer.render_receptors`
             gives them. Without ``channels`` the kinds of receptors are shown by peak wavelength,
             the longest as red, the next as green, the shortest as blue; of two the longer as
-            yellow. Receptors of one peak with microvilli in several directions are a kind for each,
-            if there are then no more than three; else the legend says that they are a mean. Where
-            an ommatidium has none of a kind, the nearest that has one is shown.
+            yellow. Receptors of one peak with microvilli in several directions (from the up vector
+            of each ommatidium, not from the vertical) are a kind for each, if there are then no
+            more than three; else the legend says that they are a mean. Where an ommatidium has none
+            of a kind, the nearest that has one is shown.
         channels: one to three bands by number, or receptors by name, in the order red, green, blue
             (yellow, blue). Default: red, green and blue of RGB.
         light: what lit the world that was seen: names the bands and the unit in the legend. Arrays

@@ -18,6 +18,7 @@ from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style, load_matplotlib
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
+from omma.light.bands import Bands
 from omma.light.lights import Light, is_made_by, is_under_water
 from omma.light.sky_tables import LOWEST_SUN_DEG
 from omma.picture.light_titles import light_title
@@ -27,6 +28,7 @@ _LEAST_POLARISED = 0.01  # below it there is no angle to draw
 # So much is polarised so far from a neutral point of a clear sky in ultraviolet and blue; less of
 # hazy ones at long wavelengths, and in clouds.
 _AROUND_DEG, _LEAST_AROUND = 6.0, 0.02
+_DRAWN_NM = (350.0, 440.0, 550.0)  # where nobody says
 _MOST_WAVELENGTHS = 6
 _LETTERS = 100  # of a title across the figure
 # From the sun or from the point opposite: of clear skies of all suns, bands and hazes that there
@@ -41,13 +43,13 @@ _IRRADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ nm⁻¹", "watts": "W m�
 def plot_sky(
     paths: PathLike | Sequence[PathLike],
     light: Light,
-    wavelengths_nm: Sequence[float] = (350.0, 440.0, 550.0),
+    wavelengths_nm: Sequence[float] | None = None,
     *,
     title: str | None = None,
     size_mm: float = 180.0,
 ) -> None:
-    """Draw a light: radiance, degree and angle of polarisation of the sky above, in the bands
-    nearest to some wavelengths, and the spectra of what sky and discs give to level ground.
+    """Draw a light: radiance, degree and angle of polarisation of the sky above, in the bands that
+    some wavelengths lie in, and the spectra of what sky and discs give to level ground.
 
     The sky as a map, seen from above: -Z (north) at the top, +X (east) at the right, the zenith in
     the middle, equal angles equally far. Crosses are neutral points on the sun's meridian, where
@@ -58,7 +60,8 @@ def plot_sky(
 
     Args:
         paths: .pdf, .svg or .png, one or several.
-        wavelengths_nm: 1 to 6.
+        wavelengths_nm: 1 to 6, within the bands of the light. Each row says the middle of its band.
+            None: of 350, 440 and 550 those that are, or else the middle of the bands.
         title: by default how the light was made.
         size_mm: width of the figure.
 
@@ -67,14 +70,49 @@ def plot_sky(
             range, a file cannot be written.
     """
     names = figure_names(paths)
-    chosen = array_of(wavelengths_nm, "wavelengths_nm", (None,))
-    if not 1 <= len(chosen) <= _MOST_WAVELENGTHS or not np.all(np.isfinite(chosen)):
-        raise Error(f"wavelengths_nm: expected 1 to {_MOST_WAVELENGTHS} wavelengths")
+    bands = _bands_drawn(light.bands, wavelengths_nm)
     positive(size_mm, "size_mm")
-    bands = [int(np.argmin(np.abs(light.bands.centers_nm - nm))) for nm in chosen]
     with figure_style(max(3.0, 7 * size_mm / 180)):
         called = title or textwrap.fill(light_title(light), _LETTERS)
         save(_figure(light, bands, called, size_mm), names)
+
+
+def _bands_drawn(bands: Bands, wavelengths_nm: Sequence[float] | None) -> list[int]:
+    """The numbers of the bands that wavelengths lie in; where bands are no intervals, the nearest.
+
+    Raises:
+        omma.Error: too few, too many, or one that lies in no band.
+    """
+    low, high = _range_nm(bands)
+    if wavelengths_nm is None:
+        within = [nm for nm in _DRAWN_NM if low <= nm <= high] or [(low + high) / 2]
+        return list(dict.fromkeys(_band_of(bands, nm) for nm in within))
+    chosen = array_of(wavelengths_nm, "wavelengths_nm", (None,))
+    if not 1 <= len(chosen) <= _MOST_WAVELENGTHS or not np.all(np.isfinite(chosen)):
+        raise Error(f"wavelengths_nm: expected 1 to {_MOST_WAVELENGTHS} wavelengths")
+    for nm in chosen.tolist():
+        if not low <= nm <= high:
+            meant = f"; {nm:g} µm would be {1000 * nm:g} nm" if low <= 1000 * nm <= high else ""
+            raise Error(
+                f"wavelengths_nm: expected {low:g} to {high:g} nm, where the bands of this light "
+                f"are, found {nm:g}{meant}"
+            )
+    return [_band_of(bands, nm) for nm in chosen.tolist()]
+
+
+def _range_nm(bands: Bands) -> tuple[float, float]:
+    """From where to where there is light in bands."""
+    if bands.edges_nm is not None:
+        return float(bands.edges_nm[0]), float(bands.edges_nm[-1])
+    used = np.any(bands.weight > 0, axis=0)
+    nm, half = bands.wavelength_nm[used], bands.steps_nm[used] / 2
+    return float(nm[0] - half[0]), float(nm[-1] + half[-1])
+
+
+def _band_of(bands: Bands, nm: float) -> int:
+    if bands.edges_nm is not None:
+        return max(int(np.searchsorted(bands.edges_nm, nm)) - 1, 0)
+    return int(np.argmin(np.abs(bands.centers_nm - nm)))
 
 
 def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:

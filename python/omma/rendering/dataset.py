@@ -22,6 +22,7 @@ from omma.rendering.moves import Moves, MovesOptions, renderer_method
 from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, truth_variables
+from omma.rendering.without_polarisation import tell_without_polarisation
 
 if TYPE_CHECKING:
     import xarray
@@ -79,6 +80,7 @@ def dataset(
         call = Call.of(self, poses, moves, first_pose, progress)
         times = _times(when, call.poses)
         if receptors:
+            tell_without_polarisation(self.world, self.eye)
             frames = frames_of_receptors(call, None, ultraviolet, standard_error)
         else:
             to_error = isinstance(self.settings.sampling, ToError)

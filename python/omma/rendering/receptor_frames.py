@@ -17,6 +17,7 @@ from omma.base.progress import Progress, share_of
 from omma.receptors.catches import type_polarisation
 from omma.rendering.call import Call, Frames, Poses, Prepared, Responses
 from omma.rendering.moves import MovesOptions, renderer_method
+from omma.rendering.without_polarisation import tell_without_polarisation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -93,8 +94,13 @@ def render_receptors(
     Raises:
         omma.Error: an eye without receptors, a type without a sensitivity, a wrong shape, no
             matrix in a world whose bands are not RGB.
+
+    Warns:
+        UserWarning: receptors tell directions of polarisation, and the light is polarised but the
+            world is not (once a session).
     """
     call = Call.of(self, poses, moves, first_pose, progress)
+    tell_without_polarisation(self.world, self.eye)
     target = output_array(out, (len(call.poses), len(self.eye.receptor_type)), "out")
     if not isinstance(target, OnCard):
         return frames_of_receptors(call, matrix, ultraviolet, standard_error, target).returned

@@ -18,7 +18,7 @@ SKIES = (
     "natural_sky_at", "moonlit_sky", "night_sky", "night_sky_at", "uniform_sky", "lamps",
 )  # fmt: skip
 # What else a world is told of its light.
-_OF_WORLD = ("lighting", "depth", "ultraviolet", "sun", "emission_cd_m2")
+OF_WORLD = ("lighting", "depth", "polarized", "ultraviolet", "sun", "emission_cd_m2")
 _BANDS = "bands"
 _AIR = "visibility_m"  # of `with_air`
 # Bands that have names: how many, from which wavelength to which, nm. Of visible light alone no
@@ -26,15 +26,18 @@ _AIR = "visibility_m"  # of `with_air`
 _NAMED_BANDS = {"visible": (12, 400.0, 700.0)}
 
 
-def parse_light(text: str) -> dict[str, Any]:
+def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
     """The arguments of `omma.World` that light it, from words such as "clear_sky
     sun_elevation_deg=30 ultraviolet=dark".
 
     The first word is a function of `omma.light`: `SKIES`. The others are its arguments by name
     (numbers, and times such as date_time=2026-06-21T12:00:00+02:00), how many ``bands`` of the same
     width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, ``visibility_m`` of
-    `omma.light.with_air`, and ``lighting``, ``depth``, ``ultraviolet``, ``sun`` and
+    `omma.light.with_air`, and ``lighting``, ``depth``, ``polarized``, ``ultraviolet``, ``sun`` and
     ``emission_cd_m2`` of `omma.World`.
+
+    Args:
+        bands: where the words do not say.
 
     Raises:
         omma.Error: it is no such text, or an argument is out of its range.
@@ -50,26 +53,28 @@ def parse_light(text: str) -> dict[str, Any]:
     given: dict[str, Any] = {}
     for word in words[1:]:
         name, is_said, value = word.partition("=")
-        if not is_said or name not in (*known, _BANDS, _AIR, *_OF_WORLD):
+        if not is_said or name not in (*known, _BANDS, _AIR, *OF_WORLD):
             raise Error(
                 f"light: expected name=value, with a name of {', '.join(known)}, {_BANDS}, "
-                f"{_AIR}, {', '.join(_OF_WORLD)}, found {word!r:.60}"
+                f"{_AIR}, {', '.join(OF_WORLD)}, found {word!r:.60}"
             )
         if name in given:
             raise Error(f"light: {name}: is said twice")
         given[name] = _value(name, value)
-    of_world = {name: given.pop(name) for name in _OF_WORLD if name in given}
+    of_world = {name: given.pop(name) for name in OF_WORLD if name in given}
     visibility_m = given.pop(_AIR, None)
     try:
         if _BANDS in given:
             given[_BANDS] = Bands.equal(*_NAMED_BANDS.get(given[_BANDS], (given[_BANDS],)))
+        elif bands is not None:
+            given[_BANDS] = bands
         light: Light = make(**given)
         if visibility_m is not None:
             light = skies.with_air(light, visibility_m)
         checked_lighting(
-            light, of_world.get("lighting"), of_world.get("depth"), False,
-            of_world.get("ultraviolet"), of_world.get("sun", "exact"), None,
-            of_world.get("emission_cd_m2", 1.0),
+            light, of_world.get("lighting"), of_world.get("depth"),
+            of_world.get("polarized", False), of_world.get("ultraviolet"),
+            of_world.get("sun", "exact"), None, of_world.get("emission_cd_m2", 1.0),
         )  # fmt: skip
     except (Error, TypeError) as error:
         raise Error(f"light: {error}") from None
@@ -108,6 +113,10 @@ def _value(name: str, text: str) -> Any:
                 "light: date_time: expected one such as 2026-06-21T12:00:00+02:00, found "
                 f"{text!r:.60}"
             ) from None
+    if name == "polarized":
+        if text.lower() not in ("true", "false"):
+            raise Error(f"light: polarized: expected True or False, found {text!r:.60}")
+        return text.lower() == "true"
     for kind in (int, float):
         try:
             return kind(text)

@@ -68,8 +68,8 @@ class World:
             is light.
         depth: most scatterings on the way of light to the eye: 1 is direct light alone. None: as
             many as it takes, and so always where light is baked.
-        polarized: follow light as Stokes vectors, which receptors with microvilli and
-            ``render(..., stokes=True)`` see.
+        polarized: follow light as Stokes vectors, which `Renderer.render_stokes` gives and which
+            receptors with microvilli see (`Renderer.render_receptors`).
         ultraviolet: what materials of which only RGB is known reflect below 400 nm: "dark",
             nothing; "as_blue", as much as blue; or a reflectance from 0 to 1, e.g. 0.02 of leaves.
             A mapping {name of a material: one of these} says it for each, "" for those that it does
