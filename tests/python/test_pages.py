@@ -172,7 +172,6 @@ NOT_RUN = {
     "omma measure variance-map meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure aliasing meadow.glb": "minutes; test_sampling_tools.py has smaller ones",
     "omma measure speed arena.gltf": "minutes; test_speed_test.py has smaller ones",
-    "python bench/gradient_errors.py": "a minute of measuring; test_gradients.py has its own z",
     "python bench/many_cameras.py": "a minute; test_many_cameras.py has it smaller",
     r"(\.venv/bin/)?python docs/make_": "figures and tables of the pages: minutes to half an hour",
     "cd compound-ray": "needs a clone of CompoundRay's repository; test_compoundray.py",
