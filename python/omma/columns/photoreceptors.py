@@ -51,7 +51,7 @@ class PhotoreceptorTable:
     """
 
     columns: Columns
-    kind: NDArray[np.str_]
+    kind: NDArray[Any]
     r1_6: Floats32
     r7: Floats32
     r8: Floats32
