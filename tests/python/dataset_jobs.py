@@ -47,6 +47,15 @@ def write_job(folder, *, count=10, dataset="", rendering="", more="", poses=None
     return path
 
 
+def made_store(folder):
+    """A job and its store, whole."""
+    job = write_job(folder)
+    store = job.with_name("made.zarr")
+    report = omma.datasets.run(job, store)
+    assert (report.views, report.shards, report.made) == (10, 3, 3)
+    return job, store
+
+
 def bytes_of(store):
     """Every file of a store but those that say when and where it was made, by name."""
     found = {}

@@ -36,8 +36,10 @@ def _harmonics(count: int) -> tuple[Floats, Floats]:
     return functions * weight / np.where(order % (count - 1) == 0, 2, 1), functions
 
 
-def _regular(power: int, distance: Floats) -> Floats:
+@functools.cache
+def _regular(power: int, distances: tuple[float, ...]) -> Floats:
     """(nodes, nodes), to the best c d^power + c' d^(power + 2) through values there."""
+    distance = np.array(distances)
     basis = (distance / distance.max())[:, None] ** np.array([power, power + 2])
     return np.asarray(basis @ np.linalg.pinv(basis, rcond=_SAME_POWERS))
 
@@ -48,7 +50,7 @@ def smooth_at_zenith(stokes: Any, elevation_deg: Floats, sun_deg: float) -> Any:
     if sun_deg > _NOISY_BELOW_DEG:
         return stokes
     shares, functions = _harmonics(stokes.shape[-1])
-    distance = 90 - elevation_deg[-_NODES:]
+    distance = tuple((90 - elevation_deg[-_NODES:]).tolist())
     smooth = np.array(stokes)
     log_i, q, u = smooth[:, :, -_NODES:]
     cosines, sines = functions
@@ -63,6 +65,6 @@ def smooth_at_zenith(stokes: Any, elevation_deg: Floats, sun_deg: float) -> Any:
     return smooth
 
 
-def _changed(found: Floats, power: int, distance: Floats) -> Floats:
+def _changed(found: Floats, power: int, distance: tuple[float, ...]) -> Floats:
     """(wavelength, nodes), what is to be added so that they go with that power."""
     return np.asarray(found @ _regular(power, distance).T - found)

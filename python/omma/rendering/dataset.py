@@ -80,7 +80,7 @@ def dataset(
         call = Call.of(self, poses, moves, first_pose, progress)
         times = _times(when, call.poses)
         if receptors:
-            tell_without_polarisation(self.world, self.eye)
+            tell_without_polarisation(self.world, self._receptor_views()[0].most_polarisation)
             frames = frames_of_receptors(call, None, ultraviolet, standard_error)
         else:
             to_error = isinstance(self.settings.sampling, ToError)

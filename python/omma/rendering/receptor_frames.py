@@ -100,7 +100,7 @@ def render_receptors(
             world is not (once a session).
     """
     call = Call.of(self, poses, moves, first_pose, progress)
-    tell_without_polarisation(self.world, self.eye)
+    tell_without_polarisation(self.world, self._receptor_views()[0].most_polarisation)
     target = output_array(out, (len(call.poses), len(self.eye.receptor_type)), "out")
     if not isinstance(target, OnCard):
         return frames_of_receptors(call, matrix, ultraviolet, standard_error, target).returned

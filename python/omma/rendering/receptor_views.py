@@ -16,6 +16,7 @@ class ReceptorViews:
     """What a renderer needs for its eye's receptors: the eye of their views, and whose is which.
 
     ``views`` is None where all look where their ommatidia do, so that the eye itself serves.
+    ``most_polarisation`` is the largest polarisation sensitivity among them.
     """
 
     def __init__(self, eye: Eye) -> None:
@@ -23,6 +24,7 @@ class ReceptorViews:
             raise Error(f"{eye.path or 'eye'}: expected ommatidia with receptors, found none")
         types = eye.receptor_types
         used = [types[t] for t in np.unique(eye.receptor_type)]
+        self.most_polarisation = max(t.polarisation_sensitivity for t in used)
         self.views: Eye | None = None
         if all(t.right_rad == 0 and t.up_rad == 0 and t.acceptance is None for t in used):
             self.view_of_receptor = ommatidium_of_receptor(eye).astype(np.int32)

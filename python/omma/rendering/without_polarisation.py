@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from omma._core import Eye
 from omma.base.warn import warn_caller
 from omma.light.lights import Light
 from omma.scene.world import World
@@ -13,19 +12,15 @@ from omma.scene.world import World
 _told: list[str] = []
 
 
-def tell_without_polarisation(world: World, eye: Eye) -> None:
-    """Warns where receptors have microvilli that tell directions of polarisation, the light has
-    some, and the world does not follow it."""
+def tell_without_polarisation(world: World, sensitivity: float) -> None:
+    """Warns where receptors, of which that is the largest polarisation sensitivity, tell directions
+    of polarisation, the light has some, and the world does not follow it."""
     light = world.light
-    if _told or light is None or world.polarized:
-        return
-    types = eye.receptor_types
-    most = max((types[t].polarisation_sensitivity for t in np.unique(eye.receptor_type)), default=1)
-    if most <= 1 or not _is_polarised(light):
+    if sensitivity <= 1 or _told or light is None or world.polarized or not _is_polarised(light):
         return
     sentence = (
-        f"receptors have a polarisation sensitivity (PS) of up to {most:g}, and the light is "
-        "polarised, but the world is not: they answer as to unpolarised light. "
+        f"receptors have a polarisation sensitivity (PS) of up to {sensitivity:g}, and the light "
+        "is polarised, but the world is not: they answer as to unpolarised light. "
         "omma.World(..., polarized=True) follows polarisation; among the words of a light it is "
         "polarized=True (docs/receptors.md)"
     )
