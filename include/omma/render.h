@@ -152,6 +152,9 @@ struct RenderCall {
   // Radiance that each single ray brought, [pose, ommatidium, sample, band], or empty for none.
   // Not together with standard_error.
   std::span<float> ray_radiance;
+  // What responses have besides those rays, as they leave it out: discs of the sky and what
+  // ommatidia aim at, [pose, ommatidium, band], or empty for none. Where ray_radiance may be asked.
+  std::span<float> beside_rays;
   TruthCall truth;  // from the same rays; neither with Shared nor where things move
   // What moves from pose to pose, as World::set_transforms has it: [thing], and where each is at
   // each pose, [pose][thing]. Afterwards it is where it was before; meanwhile nothing else of this

@@ -26,12 +26,14 @@ namespace {
 
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
+using BesideOutput = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
 void render(const Renderer& renderer, const Poses& poses, const Place& responses,
             const std::optional<Place>& standard_error, const std::optional<CountOutput>& rays,
-            const std::optional<RayOutput>& ray_radiance, std::optional<std::uint64_t> first_pose,
+            const std::optional<RayOutput>& ray_radiance,
+            const std::optional<BesideOutput>& beside_rays, std::optional<std::uint64_t> first_pose,
             const std::optional<Matrix>& output_from_band, bool stokes,
             const std::optional<MovesTuple>& moves, const nb::object& progress) {
   RenderCall call;
@@ -44,6 +46,7 @@ void render(const Renderer& renderer, const Poses& poses, const Place& responses
   if (standard_error) call.standard_error = places.add(*standard_error);
   if (rays) call.rays = {rays->data(), rays->size()};
   if (ray_radiance) call.ray_radiance = {ray_radiance->data(), ray_radiance->size()};
+  if (beside_rays) call.beside_rays = {beside_rays->data(), beside_rays->size()};
   const std::span<const Mat4> world_from_head = matrices_of(poses);
   if (moves) take_moves(*moves, call);
   run_with_progress(progress, [&](const std::function<bool(double)>& report) {
@@ -204,13 +207,14 @@ void bind_renderer(nb::module_& m) {
           nb::arg("same_eye"), nb::arg("world"))
       .def("render", &render, nb::arg("poses").noconvert(), nb::arg("responses").noconvert(),
            nb::arg("standard_error").noconvert().none(), nb::arg("rays").noconvert().none(),
-           nb::arg("ray_radiance").noconvert().none(), nb::arg("first_pose").none(),
-           nb::arg("output_from_band").noconvert().none(), nb::arg("stokes"),
-           nb::arg("moves").none(), nb::arg("progress").none(),
+           nb::arg("ray_radiance").noconvert().none(), nb::arg("beside_rays").noconvert().none(),
+           nb::arg("first_pose").none(), nb::arg("output_from_band").noconvert().none(),
+           nb::arg("stokes"), nb::arg("moves").none(), nb::arg("progress").none(),
            nb::sig("def render(self, poses: numpy.typing.NDArray[numpy.float64], responses: "
                    "numpy.typing.NDArray[numpy.float32] | CardSpan, standard_error: "
                    "numpy.typing.NDArray[numpy.float32] | CardSpan | None, rays: "
                    "numpy.typing.NDArray[numpy.int32] | None, ray_radiance: "
+                   "numpy.typing.NDArray[numpy.float32] | None, beside_rays: "
                    "numpy.typing.NDArray[numpy.float32] | None, first_pose: int | None, "
                    "output_from_band: numpy.typing.NDArray[numpy.float64] | None, stokes: bool, "
                    "moves: omma.rendering.moves.EngineMoves | None, progress: "

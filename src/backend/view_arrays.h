@@ -375,6 +375,7 @@ void visit_arrays(BlockTask& view, Visit& visit, const FrameView& frame) {
   visit(view.standard_error, {ommatidia, frame.outputs});
   visit(view.rays, {ommatidia});
   visit(view.ray_radiance, {ommatidia, frame.directions->samples, frame.outputs});
+  visit(view.beside_rays, {ommatidia, frame.outputs});
   visit.views(view.truth, {1}, frame);
 }
 

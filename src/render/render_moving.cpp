@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string>
+#include <utility>
 
 #include "model/animation.h"
 #include "render/render_motion.h"
@@ -255,6 +257,7 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
   check_divides("standard_error", call.standard_error, poses);
   check_divides("rays", call.rays, poses);
   check_divides("ray_radiance", call.ray_radiance, poses);
+  check_divides("beside_rays", call.beside_rays, poses);
   if (!call.past_world_from_node.empty() &&
       call.past_world_from_node.size() != call.past_times_s.size() * things)
     throw Error("past transforms: expected " + std::to_string(things) + " for each of " +
@@ -311,6 +314,7 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
     one.standard_error = of_poses(call.standard_error, stretch, poses);
     one.rays = of_poses(call.rays, stretch, poses);
     one.ray_radiance = of_poses(call.ray_radiance, stretch, poses);
+    one.beside_rays = of_poses(call.beside_rays, stretch, poses);
     one.unseen_at = of_poses(call.unseen_at, stretch, poses);
     one.truth = truth_of_poses(call.truth, stretch, poses);
     one.first_pose = first_frame + stretch.begin;
@@ -332,8 +336,10 @@ void render_moving(const Renderer::State& s, std::span<const Mat4> world_from_he
   const auto render_in_parts = [&](std::size_t pose) {
     if (fixed == nullptr)
       throw Error("sampling: expected Fixed where things move while frames last, found ToError");
-    if (!call.ray_radiance.empty())
-      throw Error("ray_radiance: not where things move while frames last");
+    for (const auto& [name, output] :
+         {std::pair{"ray_radiance", call.ray_radiance}, std::pair{"beside_rays", call.beside_rays}})
+      if (!output.empty())
+        throw Error(std::string(name) + ": not where things move while frames last");
     if (with_truth) throw Error("truth: not where things move while frames last");
     const Stretch stretch{pose, pose + 1};
     RenderCall one = call_of(stretch);

@@ -121,15 +121,21 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   const auto* to_error = std::get_if<ToError>(&s.settings.sampling);
   const int samples = first_samples(s.settings.sampling);
   const std::size_t rays_size = pose_size * static_cast<std::size_t>(samples);
-  if (!call.ray_radiance.empty()) {
-    if (!call.standard_error.empty()) throw Error("ray_radiance: not together with standard_error");
+  const auto check_of_rays = [&](const char* name, std::span<const float> output,
+                                 std::size_t expected, const char* axes) {
+    if (output.empty()) return;
+    const std::string start = std::string(name) + ": ";
+    if (!call.standard_error.empty()) throw Error(start + "not together with standard_error");
     if (!std::holds_alternative<Fixed>(s.settings.sampling))
-      throw Error("ray_radiance: only where every ommatidium has its own, equally many rays");
-    if (call.ray_radiance.size() != poses * rays_size)
-      throw Error("ray_radiance: expected room for " + std::to_string(poses * rays_size) +
-                  " values (pose x ommatidium x sample x band), found " +
-                  std::to_string(call.ray_radiance.size()));
-  }
+      throw Error(start + "only where every ommatidium has its own, equally many rays");
+    if (output.size() != expected)
+      throw Error(start + "expected room for " + std::to_string(expected) + " values (" + axes +
+                  "), found " + std::to_string(output.size()));
+  };
+  check_of_rays("ray_radiance", call.ray_radiance, poses * rays_size,
+                "pose x ommatidium x sample x band");
+  check_of_rays("beside_rays", call.beside_rays, poses * pose_size, "pose x ommatidium x band");
+  std::ranges::fill(call.beside_rays, 0.0f);
   const std::vector<Mat4> traced =
       traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
   const Truth truth = checked_truth(call.truth, s.built(), poses, ommatidia);
@@ -181,6 +187,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
         task.standard_error = begin_of(call.standard_error, pose_size);
       if (!call.rays.empty()) task.rays = begin_of(call.rays, ommatidia);
       if (!call.ray_radiance.empty()) task.ray_radiance = begin_of(call.ray_radiance, rays_size);
+      if (!call.beside_rays.empty()) task.beside_rays = begin_of(call.beside_rays, pose_size);
       if (!truth.tasks.empty()) task.truth = &truth.tasks[p];
     }
     trace_tasks(blocks, tasks);

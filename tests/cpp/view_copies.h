@@ -122,7 +122,7 @@ struct Asked {
 
 // Where results go.
 struct Results {
-  std::vector<float> responses, errors, radiance;
+  std::vector<float> responses, errors, radiance, beside;
   std::vector<std::int32_t> rays;
   std::vector<float> distance, nearest, inverse, source, met, normal, shares, rotation, translation,
       objects;
@@ -134,11 +134,12 @@ struct Results {
              (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0);
     };
     return same(a.responses, b.responses) && same(a.errors, b.errors) &&
-           same(a.radiance, b.radiance) && same(a.rays, b.rays) && same(a.distance, b.distance) &&
-           same(a.nearest, b.nearest) && same(a.inverse, b.inverse) && same(a.source, b.source) &&
-           same(a.met, b.met) && same(a.normal, b.normal) && same(a.shares, b.shares) &&
-           same(a.rotation, b.rotation) && same(a.translation, b.translation) &&
-           same(a.objects, b.objects) && same(a.position, b.position);
+           same(a.radiance, b.radiance) && same(a.beside, b.beside) && same(a.rays, b.rays) &&
+           same(a.distance, b.distance) && same(a.nearest, b.nearest) &&
+           same(a.inverse, b.inverse) && same(a.source, b.source) && same(a.met, b.met) &&
+           same(a.normal, b.normal) && same(a.shares, b.shares) && same(a.rotation, b.rotation) &&
+           same(a.translation, b.translation) && same(a.objects, b.objects) &&
+           same(a.position, b.position);
   }
 };
 
@@ -223,9 +224,11 @@ struct FrameSetup {
       results.errors.resize(size * outputs);
       results.rays.resize(size);
     }
-    if (asked.with_rays)
+    if (asked.with_rays) {
       results.radiance.resize(results.responses.size() *
                               static_cast<std::size_t>(directions.front().samples));
+      results.beside.resize(results.responses.size());
+    }
     if (asked.with_truth) ask_for_truth();
     const Vec3d origin = built().placement.origin_m;
     const int rays_each = directions.front().samples * frame.scrambles;
@@ -246,6 +249,7 @@ struct FrameSetup {
       if (!results.errors.empty()) task.standard_error = results.errors.data();
       if (frame.most_samples > 0) task.rays = results.rays.data();
       if (!results.radiance.empty()) task.ray_radiance = results.radiance.data();
+      if (!results.beside.empty()) task.beside_rays = results.beside.data();
       if (asked.with_truth) task.truth = truth.tasks.data();
       tasks.push_back(task);
     }

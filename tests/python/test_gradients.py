@@ -288,9 +288,6 @@ def test_what_has_no_derivatives_is_refused():
     ):
         with pytest.raises(omma.Error, match=message):
             renderer.jacobian(AHEAD)
-    lit = omma.World(scene, light=omma.light.uniform_sky(1e15), ultraviolet="dark")
-    with pytest.raises(omma.Error, match="not lit"):
-        omma.Renderer(lit, eye).jacobian(AHEAD)
     renderer = omma.Renderer(scene, eye)
     with pytest.raises(omma.Error, match="position"):
         renderer.jacobian(AHEAD, by="position_m")

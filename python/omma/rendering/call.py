@@ -137,6 +137,7 @@ class Call:
         output_from_band: NDArray[np.float64] | None = None,
         stokes: bool = False,
         ray_radiance: NDArray[np.float32] | None = None,
+        beside_rays: NDArray[np.float32] | None = None,
     ) -> Frames:
         """Have the engine fill the frames, and return them.
 
@@ -146,6 +147,8 @@ class Call:
                 bands are.
             stokes: responses are I, Q and U of each band.
             ray_radiance: (P, N, samples, C), for the radiance of each ray.
+            beside_rays: (P, N, C), for what responses have besides the mean of those: the discs of
+                sun and moon, and what ommatidia aim at.
         """
         self.renderer._engine.render(
             self.poses,
@@ -153,6 +156,7 @@ class Call:
             frames.standard_error,
             frames.rays,
             ray_radiance,
+            beside_rays,
             self.first_frame,
             output_from_band,
             stokes,
@@ -171,6 +175,7 @@ class Call:
             _for_engine(responses),
             None if errors is None else _for_engine(errors),
             rays,
+            None,
             None,
             self.first_frame,
             None,
@@ -208,8 +213,8 @@ def render_eyes(
 ) -> None:
     """Have the engine of a population fill frames (P, N, C), at poses (P x E, 4, 4)."""
     engine.render(
-        poses, frames.responses, frames.standard_error, None, None, first_frame, None, False, None,
-        progress,
+        poses, frames.responses, frames.standard_error, None, None, None, first_frame, None, False,
+        None, progress,
     )  # fmt: skip
     warn_of_poses(engine, poses)
 

@@ -12,7 +12,8 @@ import numpy as np
 from omma._core import Error
 from omma.base.arrays import Floats
 from omma.rendering.call import Poses, poses_of
-from omma.rendering.gradients import PARAMETERS, Jacobian, Parameter
+from omma.rendering.gaussian_scores import PARAMETERS, Parameter
+from omma.rendering.gradients import Jacobian
 from omma.rendering.renderer import Renderer
 
 

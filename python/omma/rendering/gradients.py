@@ -7,19 +7,15 @@ The scene does not depend on the eye. With the sensitivity as a density p(ω; θ
 so that the rays that a response is the mean of give its derivative as well, by other weights, edges
 and all (the likelihood ratio method: Glynn 1990, doi:10.1145/84537.84552). The control variate b
 changes nothing in the mean, as that of ∂ ln p / ∂θ is 0; it is the response by other, independent
-rays, which keeps the estimate unbiased.
-
-For a round Gaussian of full width w at half maximum, with the angle ϑ from its axis a, the unit
-vector s that points from a to the ray, and Z(w) = ∫ exp(−4 ln 2 ϑ²/w²) sin ϑ dϑ,
-
-    ∂ ln p / ∂w = 8 ln 2 ϑ²/w³ − Z'/Z,    ∂ ln p / ∂a = 8 ln 2 ϑ/w² s.
+rays, which keeps the estimate unbiased. What responses have beside their rays, as the sun's disc,
+has derivatives of its own (beside_rays.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,15 +23,13 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, expect, one_of
 from omma.base.arrays import Floats
-from omma.base.directions import normalized
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
+from omma.rendering.beside_rays import Beside
 from omma.rendering.call import Call, Poses, Prepared, Responses, poses_of
+from omma.rendering.gaussian_scores import PARAMETERS, Parameter, scores_of, turns_of
 from omma.rendering.settings import Fixed, fixed_samples
-
-Parameter = Literal["acceptance_angle_rad", "axis", "rotation_rad"]
-PARAMETERS: tuple[Parameter, ...] = get_args(Parameter)
 
 # How derivatives (P, N, C[, 3]) and a change of the parameter make a change of responses.
 ALONG: dict[Parameter, str] = {
@@ -46,9 +40,10 @@ ALONG: dict[Parameter, str] = {
 
 # Independent estimates, whose spread is the error, as of standard errors (error_scrambles).
 _ESTIMATES = 8
+# Of those the first, which give the derivatives of what is seen beside rays; each costs six looks.
+_SLOPES = 4
 # Of what is kept of rays at once.
 _MOST_BYTES = 1 << 28
-_FOUR_LN2 = 4 * np.log(2)
 
 
 @value_class
@@ -138,8 +133,8 @@ def jacobian(
     As many rays as of the renderer's ``Fixed`` are taken, but for what is left over an eighth, in
     eight independent estimates, at least one in each; the same numbers for the same ``first_pose``,
     whatever the noise of the renderer.
-    The world is one that is not lit, and has any edges. What textures lose by the footprints of
-    rays is taken as it is: it does not count as a change with the width.
+    The world may have any edges, and be lit. What textures lose by the footprints of rays is taken
+    as it is: it does not count as a change with the width.
 
     Args:
         poses: as in `render`.
@@ -158,7 +153,7 @@ def jacobian(
         (1, 20, 3)
 
     Raises:
-        omma.Error: a lit world, rays that are not `Fixed`, ommatidia that are not round Gaussians
+        omma.Error: rays that are not `Fixed`, ommatidia that are not round Gaussians
             of a width above 0, frames that last, or what `render` raises.
     """
     if not isinstance(by, Iterable):  # a text is one
@@ -184,8 +179,8 @@ def jacobian(
         some = slice(start, min(start + at_once, len(matrices)))
         first = _ESTIMATES * (first_pose + start)
         part = share_of(progress, start / len(matrices), some.stop / len(matrices))
-        light, directions = _trace(seen_by, matrices[some], first, part)
-        _weigh(self.eye, matrices[some], light, directions, found, some)
+        traced = _trace(seen_by, matrices[some], first, part, names)
+        _weigh(self.eye, matrices[some], traced, found, some)
     return found
 
 
@@ -249,11 +244,6 @@ def expect_differentiable(renderer: Prepared, *, own_widths: bool = True) -> int
     """
     eye, settings = renderer.eye, renderer.settings
     samples = fixed_samples(settings.sampling, "a Jacobian")
-    if renderer.world.light is not None:
-        raise Error(
-            "world: expected one that is not lit: suns and lamps are summed beside the rays, which "
-            "weights of rays leave out; take differences of renders with one seed"
-        )
     if settings.impulse_response is not None:
         raise Error("impulse_response: expected frames that do not last")
     own = settings.angular_sensitivity == "own"
@@ -284,95 +274,89 @@ def _are_round_gaussians(eye: Eye) -> NDArray[np.bool_]:
     return found
 
 
+@dataclass(frozen=True)
+class _Traced:
+    """What estimates at some poses are made of."""
+
+    light: NDArray[np.float32]
+    """(P, estimate, N, sample, C), radiance of rays."""
+    directions: NDArray[np.float32]
+    """(P, estimate, N, sample, 3), where they look, in the world."""
+    beside: Floats
+    """(P, estimate, N, C), what is seen beside the rays."""
+    slopes: dict[Parameter, Floats]
+    """By parameter, (P, some of the estimates, N, C[, 3]): derivatives of that, where it is not 0
+    everywhere."""
+
+
 def _trace(
-    renderer: Prepared, poses: Floats, first_frame: int, progress: Progress | None
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Radiance (P, estimate, N, sample, C) of rays, and where they look, (P, estimate, N, sample,
-    3)."""
+    renderer: Prepared,
+    poses: Floats,
+    first_frame: int,
+    progress: Progress | None,
+    names: Collection[Parameter],
+) -> _Traced:
     repeated = np.ascontiguousarray(np.repeat(poses, _ESTIMATES, axis=0))
     call = Call.of(renderer, repeated, {}, first_frame, progress)
     rays = (*call.size, fixed_samples(renderer.settings.sampling, "a Jacobian"))
     radiance = np.empty((*rays, renderer.bands), np.float32)
-    call.render(call.new_frames(), ray_radiance=radiance)
+    beside = np.empty((*call.size, renderer.bands), np.float32)
+    call.render(call.new_frames(), ray_radiance=radiance, beside_rays=beside)
     directions = np.empty((*rays, 3), np.float32)
     renderer._engine.ray_directions(repeated, first_frame, directions)
-    shape = (len(poses), _ESTIMATES, *rays[1:])
-    return radiance.reshape(*shape, renderer.bands), directions.reshape(*shape, 3)
+    shape = (len(poses), _ESTIMATES)
+    seen = beside.astype(np.float64).reshape(*shape, *beside.shape[1:])
+    return _Traced(
+        radiance.reshape(*shape, *radiance.shape[1:]),
+        directions.reshape(*shape, *directions.shape[1:]),
+        seen,
+        _slopes(renderer, poses, first_frame, seen, names) if seen.any() else {},
+    )
 
 
-def _weigh(
-    eye: Eye,
-    poses: Floats,
-    light: NDArray[np.float32],
-    directions: NDArray[np.float32],
-    found: Jacobian,
-    rows: slice,
-) -> None:
+def _slopes(
+    renderer: Prepared, poses: Floats, first_frame: int, seen: Floats, names: Collection[Parameter]
+) -> dict[Parameter, Floats]:
+    """Derivatives of what is seen beside rays, by parameter."""
+    frames = range(first_frame, first_frame + _ESTIMATES * len(poses), _ESTIMATES)
+    beside = Beside(renderer, poses, frames, seen[:, :_SLOPES])
+    slopes: dict[Parameter, Floats] = {}
+    if "acceptance_angle_rad" in names:
+        slopes["acceptance_angle_rad"] = beside.by_width()
+    if "axis" in names or "rotation_rad" in names:
+        slopes["axis"] = beside.by_axis()
+        turns = turns_of(poses)
+        axis = np.einsum("pij,nj->pni", turns, renderer.eye.axis.astype(np.float64))
+        in_world = np.einsum("pij,pencj->penci", turns, slopes["axis"])
+        slopes["rotation_rad"] = np.cross(axis[:, None, :, None], in_world)
+    return slopes
+
+
+def _weigh(eye: Eye, poses: Floats, traced: _Traced, found: Jacobian, rows: slice) -> None:
     """Fill those poses of a Jacobian, some ommatidia at a time."""
-    samples, bands = light.shape[3:]
+    samples, bands = traced.light.shape[3:]
     of_each = 8 * len(poses) * _ESTIMATES * samples * (20 + bands)
     at_once = max(1, _MOST_BYTES // of_each)
     for start in range(0, len(eye), at_once):
         some = np.arange(start, min(start + at_once, len(eye)))
-        seen = light[:, :, some]
+        seen = traced.light[:, :, some]
         each = seen.mean(axis=3, dtype=np.float64)  # (P, estimate, N, C)
         others = (each.sum(axis=1, keepdims=True) - each) / (_ESTIMATES - 1)
         above = seen - others[:, :, :, None, :]
-        found.responses[rows, some] = each.mean(axis=1)
+        found.responses[rows, some] = (each + traced.beside[:, :, some]).mean(axis=1)
         looking = eye.axis[some], eye.acceptance_angle_rad[some]
-        for name, score in _scores(looking, poses, directions[:, :, some], found.values).items():
+        scores = scores_of(looking, poses, traced.directions[:, :, some], found.values)
+        for name, score in scores.items():
             estimate = np.einsum("pensc,pens...->penc...", above, score, optimize=True) / samples
-            found.values[name][rows, some] = estimate.mean(axis=1)
-            spread = estimate.std(axis=1, ddof=1) / np.sqrt(_ESTIMATES)
-            found.errors[name][rows, some] = spread
+            value, error = _mean_and_error(estimate)
+            if name in traced.slopes:
+                slope, of_slope = _mean_and_error(traced.slopes[name][:, :, some])
+                value, error = value + slope, np.hypot(error, of_slope)
+            found.values[name][rows, some] = value
+            found.errors[name][rows, some] = error
 
 
-def _scores(
-    looking: tuple[NDArray[np.float32], NDArray[np.float32]],
-    poses: Floats,
-    directions: NDArray[np.float32],
-    names: Collection[Parameter],
-) -> dict[Parameter, Floats]:
-    """∂ ln p / ∂θ of rays (P, estimate, N, sample, 3), for each parameter.
-
-    Args:
-        looking: axes (N, 3) in the head's frame, and acceptance angles (N,), rad.
-        poses: (P, 4, 4).
-    """
-    axes, angles = looking
-    turns = poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)
-    axis = np.einsum("pij,nj->pni", turns, axes.astype(np.float64))
-    axis = normalized(axis)
-    axis = axis[:, None, :, None, :]
-    along = np.sum(directions * axis, axis=-1, keepdims=True)
-    across = directions - along * axis
-    sine = np.linalg.norm(across, axis=-1)
-    angle = np.arctan2(sine, along[..., 0])
-    width = angles.astype(np.float64)[:, None]
-    scores: dict[Parameter, Floats] = {}
-    if "acceptance_angle_rad" in names:
-        normal = _log_integral_slope(width[:, 0])[:, None]
-        scores["acceptance_angle_rad"] = 2 * _FOUR_LN2 * angle**2 / width**3 - normal
-    if "axis" in names or "rotation_rad" in names:
-        # The angle over its sine is 1 on the axis itself.
-        per_sine = np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0)
-        towards = (2 * _FOUR_LN2 / width**2 * per_sine)[..., None] * across
-        if "rotation_rad" in names:
-            # A turn by ρ moves the axis by ρ × a.
-            scores["rotation_rad"] = np.cross(np.broadcast_to(axis, towards.shape), towards)
-        if "axis" in names:
-            scores["axis"] = np.einsum("pij,pensi->pensj", turns, towards)
-    return scores
-
-
-def _log_integral_slope(width: Floats) -> Floats:
-    """d ln Z / d w (N,) of Gaussians of these widths, by Gauss-Legendre quadrature."""
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-    widths, back = np.unique(width, return_inverse=True)
-    # All of it lies within five widths, 30 standard deviations twice over.
-    end = np.minimum(5 * widths, np.pi)[:, None]
-    angle = end * (nodes + 1) / 2
-    density = np.exp(-_FOUR_LN2 * (angle / widths[:, None]) ** 2) * np.sin(angle) * weights
-    slope: Floats = np.sum(2 * _FOUR_LN2 * angle**2 / widths[:, None] ** 3 * density, axis=1)
-    of_each: Floats = slope / density.sum(axis=1)
-    return of_each[back]
+def _mean_and_error(estimates: Floats) -> tuple[Floats, Floats]:
+    """Of independent estimates (P, estimate, ..), their mean and its standard error."""
+    count = estimates.shape[1]
+    return estimates.mean(axis=1), estimates.std(axis=1, ddof=1) / np.sqrt(count)

@@ -21,7 +21,8 @@ from omma.rendering.differentiable import (
     jacobian_at,
     parameters_of,
 )
-from omma.rendering.gradients import ALONG, Parameter, expect_differentiable
+from omma.rendering.gaussian_scores import Parameter
+from omma.rendering.gradients import ALONG, expect_differentiable
 from omma.rendering.renderer import Renderer
 
 

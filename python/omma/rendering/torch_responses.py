@@ -16,7 +16,7 @@ from omma.rendering.differentiable import (
     jacobian_at,
     parameters_of,
 )
-from omma.rendering.gradients import Parameter
+from omma.rendering.gaussian_scores import Parameter
 from omma.rendering.renderer import Renderer
 
 

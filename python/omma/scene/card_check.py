@@ -67,5 +67,5 @@ def _seen(scene: Scene, backend: str, is_lit: bool) -> NDArray[np.float32]:
     engine = _core.Renderer(world, eye, _core.RenderSettings(sampling=("fixed", 8)))
     pose = _core.look_at((0, 1, 1.5), (0, 0.5, -2))[None]
     seen = np.empty((1, len(eye), world.bands), np.float32)
-    engine.render(pose, seen, None, None, None, None, None, False, None, None)
+    engine.render(pose, seen, None, None, None, None, None, None, False, None, None)
     return seen

@@ -81,13 +81,12 @@ OMMA_HD void trace_list(const BlockRun<Search>& run, const ReplicateList& list) 
   if (!sees_beside_rays(frame)) return;
   const int samples = frame.directions->samples;
   eval_beside_rays<L>(frame, task, list, run.search, memory, [&](int u) {
+    const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
     for (int o = 0; o < frame.outputs; ++o) {
       const double seen = memory.beside[o];
       memory.sums[o * memory.stride + list.sums_at + u] += samples * seen;
-      if (task.ray_radiance == nullptr || seen == 0) continue;
-      const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
-      for (int k = 0; k < samples; ++k)
-        task.ray_radiance[(ommatidium * samples + k) * frame.outputs + o] +=
+      if (task.beside_rays != nullptr)
+        task.beside_rays[ommatidium * frame.outputs + o] =
             static_cast<float>(seen * frame.radiance_unit);
     }
   });

@@ -127,6 +127,7 @@ struct BlockTask {
   float* standard_error = nullptr;   // the same, or null
   std::int32_t* rays = nullptr;      // [ommatidium] of this pose, spent; or null
   float* ray_radiance = nullptr;     // [ommatidium][sample][output] of this pose, or null
+  float* beside_rays = nullptr;      // [ommatidium][output] of this pose, eval_beside_rays; or null
   const TruthTask* truth = nullptr;  // of this pose, where it is asked for
 };
 
