@@ -39,9 +39,9 @@ struct Fixed {
 // or an ommatidium has had `most` rays. At least one of both is above 0. Q and U of polarised light
 // are measured by I.
 struct ToError {
-  double error = 0;  // radiance; 1 is full scale
-  int least = 8;     // rays of the first round, a power of two from 4 on
-  int most = 4096;   // least to max_samples
+  double error = 0;           // radiance; 1 is full scale
+  int least = 8;              // rays of the first round, a power of two from 4 on
+  int most = 4096;            // least to max_samples
   double relative_error = 0;  // up to 1
 
   bool operator==(const ToError&) const = default;
@@ -134,6 +134,7 @@ void for_each_option(Settings& settings, F&& f) {
 inline constexpr int error_scrambles = 8;
 
 inline constexpr std::size_t most_unseen = 31;
+inline constexpr std::size_t beside_rows = 5;  // of RenderCall::beside_rays
 
 struct RenderCall {
   // With Noise::new_every_frame, the number of the first pose's frame, for renders done piece by
@@ -153,7 +154,9 @@ struct RenderCall {
   // Not together with standard_error.
   std::span<float> ray_radiance;
   // What responses have besides those rays, as they leave it out: discs of the sky and what
-  // ommatidia aim at, [pose, ommatidium, band], or empty for none. Where ray_radiance may be asked.
+  // ommatidia aim at; and its moments about the axis a, ∫ S L times θ² and times (θ/sin θ)
+  // (d − (d·a) a), three rows, d the direction in the world and θ its angle from a. [pose,
+  // ommatidium, row, band], or empty for none. Where ray_radiance may be asked for.
   std::span<float> beside_rays;
   TruthCall truth;  // from the same rays; neither with Shared nor where things move
   // What moves from pose to pose, as World::set_transforms has it: [thing], and where each is at
@@ -216,9 +219,9 @@ class Renderer {
 
   // Responses [pose, ommatidium, band], linear float32, for poses `world_from_head`, which of a
   // population are [pose, eye]. Safe to call from several threads. The same inputs and seed give
-  // the same bits whatever the number of threads. Throws omma::Error on an output of the wrong size,
-  // a pose that is not invertible or starts rays over 1e18 m from the scene, and while things are
-  // being moved in the world; omma::Cancelled when the progress callback says so.
+  // the same bits whatever the number of threads. Throws omma::Error on an output of the wrong
+  // size, a pose that is not invertible or starts rays over 1e18 m from the scene, and while things
+  // are being moved in the world; omma::Cancelled when the progress callback says so.
   void render(std::span<const Mat4> world_from_head, std::span<float> responses,
               const RenderCall& call = {}) const;
 

@@ -26,14 +26,13 @@ namespace {
 
 using CountOutput = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>, nb::c_contig>;
 using RayOutput = nb::ndarray<nb::numpy, float, nb::ndim<4>, nb::c_contig>;
-using BesideOutput = nb::ndarray<nb::numpy, float, nb::ndim<3>, nb::c_contig>;
 
 using Matrix = nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::c_contig>;
 
 void render(const Renderer& renderer, const Poses& poses, const Place& responses,
             const std::optional<Place>& standard_error, const std::optional<CountOutput>& rays,
             const std::optional<RayOutput>& ray_radiance,
-            const std::optional<BesideOutput>& beside_rays, std::optional<std::uint64_t> first_pose,
+            const std::optional<RayOutput>& beside_rays, std::optional<std::uint64_t> first_pose,
             const std::optional<Matrix>& output_from_band, bool stokes,
             const std::optional<MovesTuple>& moves, const nb::object& progress) {
   RenderCall call;

@@ -54,7 +54,8 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
     a.scale.push_back(directions.scale_of.empty() ? 1.0f : directions.scale_of[i]);
     a.has_apertures = a.has_apertures || eye.aperture_diameter_m[i] > 0;
     a.warp.push_back(static_cast<std::int32_t>(directions.warp_of[i]));
-    a.ommatidium.push_back(number[i]);
+    a.ommatidium.push_back(static_cast<std::int32_t>(i));
+    a.number.push_back(number[i]);
   }
   for (std::vector<float>* values :
        {&a.origin_x, &a.origin_y, &a.origin_z, &a.axis_x, &a.axis_y, &a.axis_z, &a.up_x, &a.up_y,
@@ -62,6 +63,7 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
     values->resize(values->size() + zeros_behind, 0.0f);
   a.warp.resize(a.warp.size() + zeros_behind, 0);
   a.ommatidium.resize(a.ommatidium.size() + zeros_behind, 0);
+  a.number.resize(a.number.size() + zeros_behind, 0);
   return a;
 }
 
@@ -74,6 +76,7 @@ EyeView view(const EyeArrays& a) {
           a.scale.data(),
           a.warp.data(),
           a.ommatidium.data(),
+          a.number.data(),
           a.has_apertures,
           a.has_scales,
           static_cast<std::int32_t>(a.size()),

@@ -21,7 +21,8 @@ struct EyeArrays {
   std::vector<float> aperture_radius_m;
   std::vector<float> scale;              // of its warp, as DirectionTables::scale_of
   std::vector<std::int32_t> warp;        // index into DirectionTables::warps
-  std::vector<std::int32_t> ommatidium;  // index in the Eye, or in its eye of a population
+  std::vector<std::int32_t> ommatidium;  // index in the Eye
+  std::vector<std::int32_t> number;      // the same, or in its own eye of a population
   bool has_apertures = false;            // whether any radius is above 0
   bool has_scales = false;               // whether any scale is not 1
   // Bounds of all, for checking poses: the largest origin_x, _y, _z, and focal offset or radius.

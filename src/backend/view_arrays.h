@@ -270,6 +270,7 @@ void visit_arrays(EyeView& view, Visit& visit) {
   visit(view.scale, {ommatidia});
   visit(view.warp, {ommatidia});
   visit(view.ommatidium, {ommatidia});
+  visit(view.number, {ommatidia});
 }
 
 template <typename Visit>
@@ -375,7 +376,7 @@ void visit_arrays(BlockTask& view, Visit& visit, const FrameView& frame) {
   visit(view.standard_error, {ommatidia, frame.outputs});
   visit(view.rays, {ommatidia});
   visit(view.ray_radiance, {ommatidia, frame.directions->samples, frame.outputs});
-  visit(view.beside_rays, {ommatidia, frame.outputs});
+  visit(view.beside_rays, {ommatidia, 1 + axis_moments, frame.outputs});
   visit.views(view.truth, {1}, frame);
 }
 

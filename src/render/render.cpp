@@ -89,10 +89,8 @@ static void check_sharing(const Eye& eye, const RenderSettings& settings) {
 }
 
 // Whether the sizes of a population's eyes are those of its ommatidia, and it can be rendered.
-static void check_population(const World& world, const Eye& eye, const RenderSettings& settings) {
+static void check_population(const Eye& eye, const RenderSettings& settings) {
   if (settings.eye_sizes.empty()) return;
-  if (!world.cards().empty())
-    throw Error("eye_sizes: expected a processor's backend for a population, found a card's");
   std::int64_t sum = 0;
   for (const std::int32_t size : settings.eye_sizes) {
     if (size < 1)
@@ -137,7 +135,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
       settings(std::move(its_settings)),
       threads(settings.threads) {
   check_sharing(eye, settings);
-  check_population(world, eye, settings);
+  check_population(eye, settings);
   if (shares_rays(settings.sampling) && world.state().view.polarized)
     throw Error(
         "sampling: Shared, not in a polarised world: a ray that several ommatidia share has no one "

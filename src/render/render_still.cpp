@@ -134,7 +134,9 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   };
   check_of_rays("ray_radiance", call.ray_radiance, poses * rays_size,
                 "pose x ommatidium x sample x band");
-  check_of_rays("beside_rays", call.beside_rays, poses * pose_size, "pose x ommatidium x band");
+  static_assert(beside_rows == 1 + axis_moments);
+  check_of_rays("beside_rays", call.beside_rays, poses * beside_rows * pose_size,
+                "pose x ommatidium x row x band");
   std::ranges::fill(call.beside_rays, 0.0f);
   const std::vector<Mat4> traced =
       traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
@@ -152,6 +154,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   DirectionsView some;
   Blocks blocks = cut_into_blocks(s, call, outputs, part, some);
   if (!truth.tasks.empty()) blocks.frame.truth = &truth.view;
+  blocks.frame.beside_moments = !call.beside_rays.empty();
   const int rays_each = blocks.frame.directions->samples * blocks.frame.scrambles;
   if (to_error == nullptr) std::fill(call.rays.begin(), call.rays.end(), rays_each);
 
@@ -177,17 +180,16 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
                        s.frame_of(p, first_frame));
       task.sees = seen_at(call, p);
       task.motion = motion_of(motions[p - first_pose]);
-      // Of a population each eye has numbers of its own.
-      const std::size_t before = eyes[e].first;
       const auto begin_of = [&](auto output, std::size_t of_pose) {
-        return output.data() + p * of_pose + before * (of_pose / ommatidia);
+        return output.data() + p * of_pose;
       };
       task.responses = begin_of(responses, pose_size);
       if (!call.standard_error.empty())
         task.standard_error = begin_of(call.standard_error, pose_size);
       if (!call.rays.empty()) task.rays = begin_of(call.rays, ommatidia);
       if (!call.ray_radiance.empty()) task.ray_radiance = begin_of(call.ray_radiance, rays_size);
-      if (!call.beside_rays.empty()) task.beside_rays = begin_of(call.beside_rays, pose_size);
+      if (!call.beside_rays.empty())
+        task.beside_rays = begin_of(call.beside_rays, beside_rows * pose_size);
       if (!truth.tasks.empty()) task.truth = &truth.tasks[p];
     }
     trace_tasks(blocks, tasks);

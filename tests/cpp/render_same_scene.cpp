@@ -67,10 +67,10 @@ std::vector<float> rays_of(const Renderer& renderer, std::uint64_t first_pose = 
   RenderCall call;
   call.first_pose = first_pose;
   call.ray_radiance = rays;
-  std::vector<float> beside(responses.size(), -1.0f);
+  std::vector<float> beside(responses.size() * beside_rows, -1.0f);
   call.beside_rays = beside;
   renderer.render({&pose, 1}, responses, call);
-  EXPECT_EQ(beside, std::vector<float>(responses.size()));  // nothing shines on this
+  EXPECT_EQ(beside, std::vector<float>(beside.size()));  // nothing shines on this
   // Sums of at most 37 floats under 10 in another order.
   for (std::size_t i = 0; i < ommatidia; ++i)
     for (std::size_t c = 0; c < rgb_bands; ++c) {
@@ -126,7 +126,7 @@ TEST(RayRadiance, ChecksItsRoom) {
   rays.resize(4 * rgb_bands);
   call.ray_radiance = rays;
   EXPECT_NO_THROW(renderer.render({&pose, 1}, responses, call));
-  std::vector<float> beside(rgb_bands + 1);
+  std::vector<float> beside(beside_rows * rgb_bands + 1);
   call.beside_rays = beside;
   EXPECT_THROW(renderer.render({&pose, 1}, responses, call), Error);
   beside.pop_back();

@@ -10,6 +10,7 @@
 #include <functional>
 #include <future>
 #include <initializer_list>
+#include <numeric>
 
 #include "backend/cuda/compile.h"
 #include "backend/cuda/cuda_backend.h"
@@ -86,6 +87,33 @@ TEST_F(SeveralCards, GiveTheBitsOfOneAndOfPortable) {
         EXPECT_EQ(by_both.standard_error, expected.standard_error);
       }
     }
+}
+
+// Each of them at poses of its own, with the rays that it has alone.
+TEST_F(SeveralCards, RenderTheEyesOfAPopulation) {
+  const Eye all = small_eye();
+  const std::vector<std::int32_t> sizes = {70, 20, 60};
+  for (const bool is_lit : {false, true}) {
+    SCOPED_TRACE(testing::Message() << "lit " << is_lit);
+    const auto rendered = [&](const World& world) {
+      const std::vector<Mat4> poses = several_poses(6);
+      const Renderer renderer(world, all, {.sampling = Fixed{4}, .eye_sizes = sizes});
+      std::vector<float> responses(2 * all.size() * static_cast<std::size_t>(world.bands()));
+      renderer.render(poses, responses);
+      return responses;
+    };
+    const World portable = world_on("portable", {}, is_lit);
+    const std::vector<float> expected = rendered(portable);
+    EXPECT_EQ(rendered(world_on("emulated", {0}, is_lit)), expected);
+    EXPECT_EQ(rendered(world_on("emulated", {0, 1}, is_lit)), expected);
+    std::vector<std::int64_t> of_second(20);
+    std::iota(of_second.begin(), of_second.end(), 70);
+    const Mat4 pose = several_poses(2)[1];
+    const Renderer alone(portable, take_ommatidia(all, of_second), {.sampling = Fixed{4}});
+    const std::ptrdiff_t bands = portable.bands();
+    EXPECT_EQ(std::vector<float>(expected.begin() + 70 * bands, expected.begin() + 90 * bands),
+              render(alone, {&pose, 1}).response);
+  }
 }
 
 TEST_F(SeveralCards, TakeAnyOrderAndAnyCard) {

@@ -227,7 +227,8 @@ struct FrameSetup {
     if (asked.with_rays) {
       results.radiance.resize(results.responses.size() *
                               static_cast<std::size_t>(directions.front().samples));
-      results.beside.resize(results.responses.size());
+      results.beside.resize(results.responses.size() * beside_rows);
+      frame.beside_moments = true;
     }
     if (asked.with_truth) ask_for_truth();
     const Vec3d origin = built().placement.origin_m;

@@ -1,5 +1,5 @@
-"""Derivatives of responses in lit worlds: of the sun's disc by its closed form, whole and behind an
-edge; of its image in water; of all that a lit meadow shows, by differences of renders."""
+"""Derivatives of responses in lit worlds: of the sun's disc by its closed form, whole and partly
+behind an edge; of its image in water; of all that a lit meadow shows, by differences of renders."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def towards_sun(axes: Floats) -> Floats:
 @pytest.mark.parametrize("backend", ["embree", "portable"])
 @pytest.mark.parametrize("width_deg", [0.5, 1.0, 2.6, 8.0])
 def test_the_sun_by_its_closed_form(backend: str, width_deg: float) -> None:
-    """From the sun to far beside it: also where fewer points and none are taken of it."""
+    """From the sun to far beside it, where fewer and fewer points are taken of it."""
     off = np.linspace(0.05, 3.4, 60)
     axes = np.stack([off_axis(x * width_deg, TURN_RAD) for x in off])
     world = omma.World(empty(), light=sun(), lighting="path", backend=backend)
@@ -81,22 +81,24 @@ def test_the_sun_by_its_closed_form(backend: str, width_deg: float) -> None:
     by_axis = np.einsum("ni,ni->n", found.values["axis"][0, :, 0], towards_sun(axes))
     got = (found.responses[0, :, 0], found.values["acceptance_angle_rad"][0, :, 0], by_axis)
     for value, known, most in zip(got, exact.T, peak, strict=True):
-        # Truncation of a difference is below 0.2 % where much is seen, rounding of axes to single
-        # precision 6e-8 rad of a step of 4e-5 rad at the narrowest.
-        assert np.abs(value - known).max() < 4e-3 * most
+        # Directions and axes are single precision, 6e-8 rad.
         far = off > 2
-        assert np.abs(value - known)[far].max() < 0.03 * np.abs(known[far]).max()
+        assert np.abs(value - known).max() < 1e-5 * most
+        assert np.abs(value - known)[far].max() < 1e-4 * np.abs(known[far]).max()
     about = np.cross(axes, towards_sun(axes))
     turn = np.einsum("ni,ni->n", found.values["rotation_rad"][0, :, 0], about)
-    assert turn == pytest.approx(by_axis, abs=1e-6 * peak[2])
+    assert turn == pytest.approx(by_axis, abs=1e-5 * peak[2])
 
 
-def test_a_sun_half_behind_an_edge() -> None:
+def test_a_sun_partly_behind_an_edge() -> None:
+    """Less of it is open where the sensitivity is higher, or more: by the points, not the whole."""
+    edge, turn_rad = 0.3, 0.4
     axes = np.stack([off_axis(x, TURN_RAD) for x in np.linspace(0.05, 4, 30)])
-    world = omma.World(screen(0.0, 0.0), light=sun(), lighting="path")
+    world = omma.World(screen(edge, turn_rad), light=sun(), lighting="path")
     found = found_by(world, axes, 2.6, 64)
-    open_half = points_on_sun(250)[0][..., 0] > 0
-    exact = np.array([open_sun(axis, 2.6, open_half) for axis in axes])
+    x, y, z = np.moveaxis(points_on_sun(250)[0], -1, 0)
+    across = (x * np.cos(turn_rad) + y * np.sin(turn_rad)) / -z
+    exact = np.array([open_sun(axis, 2.6, across > edge * np.tan(RADIUS_RAD)) for axis in axes])
     by_axis = np.einsum("ni,ni->n", found.values["axis"][0, :, 0], towards_sun(axes))
     by_width = found.values["acceptance_angle_rad"][0, :, 0]
     for name, value, known in (
@@ -106,10 +108,10 @@ def test_a_sun_half_behind_an_edge() -> None:
         error = found.errors[name][0, :, 0]
         error = np.linalg.norm(error, axis=-1) if error.ndim == 2 else error
         most = np.abs(known).max()
-        assert np.abs(value - known).max() < 0.02 * most, name
-        z = (value - known) / np.hypot(error, 5e-4 * most)
-        assert np.sqrt(np.mean(z**2)) < 2.0, name
-        assert np.median(error) < 0.01 * most, name
+        assert np.median(error) < 0.002 * most, name
+        # The reference's own points miss the edge by up to 5e-4.
+        off = (value - known) / np.hypot(error, 5e-4 * most)
+        assert np.sqrt(np.mean(off**2)) < 1.6, name
 
 
 def test_the_sun_in_water() -> None:

@@ -130,6 +130,10 @@ class Call:
             np.empty(self.size, np.int32) if rays else None,
         )
 
+    def new_beside(self) -> Responses:
+        """An array for what is seen beside rays and for its moments: float32 (P, N, 5, C)."""
+        return np.empty((*self.size, 5, self.renderer.bands), np.float32)
+
     def render(
         self,
         frames: Frames,
@@ -147,8 +151,9 @@ class Call:
                 bands are.
             stokes: responses are I, Q and U of each band.
             ray_radiance: (P, N, samples, C), for the radiance of each ray.
-            beside_rays: (P, N, C), for what responses have besides the mean of those: the discs of
-                sun and moon, and what ommatidia aim at.
+            beside_rays: `new_beside`, for what responses have besides the mean of those: the discs
+                of sun and moon, and what ommatidia aim at; and behind it its moments, θ² and three
+                across the axis (omma/render.h).
         """
         self.renderer._engine.render(
             self.poses,

@@ -238,7 +238,7 @@ def render_rays(
     call = Call.of(self, poses, moves, first_pose, progress)
     samples = fixed_samples(self.settings.sampling, "render_rays")
     rays = np.empty((*call.size, samples, self.bands), np.float32)
-    beside = np.empty((*call.size, self.bands), np.float32)
+    beside = call.new_beside()
     call.render(call.new_frames(), ray_radiance=rays, beside_rays=beside)
-    rays += beside[:, :, None]  # in each ray alike, so that their mean is the response
+    rays += beside[:, :, :1]  # in each ray alike, so that their mean is the response
     return rays

@@ -10,6 +10,7 @@ vector s that points from a to the ray, and Z(w) = ∫ exp(−4 ln 2 ϑ²/w²) s
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -24,48 +25,71 @@ PARAMETERS: tuple[Parameter, ...] = get_args(Parameter)
 _FOUR_LN2 = 4 * np.log(2)
 
 
-def turns_of(poses: Floats) -> Floats:
+# Axes (N, 3) in the head's frame, and acceptance angles (N,), rad.
+Looking = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
+def scores_of(
+    looking: Looking, poses: Floats, directions: NDArray[np.float32], names: Collection[Parameter]
+) -> dict[Parameter, Floats]:
+    """∂ ln p / ∂θ of rays (P, estimate, N, sample, 3), for each parameter.
+
+    Args:
+        poses: (P, 4, 4).
+    """
+    axis = _axes_in_world(looking, poses)
+    along = np.sum(directions * axis, axis=-1, keepdims=True)
+    across = directions - along * axis
+    sine = np.linalg.norm(across, axis=-1)
+    angle = np.arctan2(sine, along[..., 0])
+    # The angle over its sine is 1 on the axis itself.
+    per_sine = np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0)
+    moments = Moments(np.ones(1), angle**2, per_sine[..., None] * across)
+    return slopes_of(looking, poses, moments, names)
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Light about axes, of which derivatives are linear, for what a sensitivity p lets in."""
+
+    light: Floats
+    """(P, estimate, N, ..), the mean of L."""
+    squares: Floats
+    """(P, estimate, N, ..), that of L ϑ²."""
+    towards: Floats
+    """(P, estimate, N, .., 3), that of L ϑ s, in the world."""
+
+
+def slopes_of(
+    looking: Looking, poses: Floats, moments: Moments, names: Collection[Parameter]
+) -> dict[Parameter, Floats]:
+    """E[L ∂ ln p / ∂θ], (P, estimate, N, ..) and for directions (P, estimate, N, .., 3)."""
+    width = looking[1].astype(np.float64)[:, None]
+    slopes: dict[Parameter, Floats] = {}
+    if "acceptance_angle_rad" in names:
+        normal = _log_integral_slope(width[:, 0])[:, None]
+        per_square = 2 * _FOUR_LN2 / width**3
+        slopes["acceptance_angle_rad"] = per_square * moments.squares - normal * moments.light
+    towards = (2 * _FOUR_LN2 / width**2)[..., None] * moments.towards
+    if "rotation_rad" in names:
+        # A turn by ρ moves the axis by ρ × a.
+        axis = np.broadcast_to(_axes_in_world(looking, poses), towards.shape)
+        slopes["rotation_rad"] = np.cross(axis, towards)
+    if "axis" in names:
+        slopes["axis"] = np.einsum("pij,pensi->pensj", _turns(poses), towards)
+    return slopes
+
+
+def _turns(poses: Floats) -> Floats:
     """(P, 3, 3), of poses (P, 4, 4) that may be scaled."""
     turns: Floats = poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)
     return turns
 
 
-def scores_of(
-    looking: tuple[NDArray[np.float32], NDArray[np.float32]],
-    poses: Floats,
-    directions: NDArray[np.float32],
-    names: Collection[Parameter],
-) -> dict[Parameter, Floats]:
-    """∂ ln p / ∂θ of rays (P, estimate, N, sample, 3), for each parameter.
-
-    Args:
-        looking: axes (N, 3) in the head's frame, and acceptance angles (N,), rad.
-        poses: (P, 4, 4).
-    """
-    axes, angles = looking
-    turns = turns_of(poses)
-    axis = np.einsum("pij,nj->pni", turns, axes.astype(np.float64))
-    axis = normalized(axis)
-    axis = axis[:, None, :, None, :]
-    along = np.sum(directions * axis, axis=-1, keepdims=True)
-    across = directions - along * axis
-    sine = np.linalg.norm(across, axis=-1)
-    angle = np.arctan2(sine, along[..., 0])
-    width = angles.astype(np.float64)[:, None]
-    scores: dict[Parameter, Floats] = {}
-    if "acceptance_angle_rad" in names:
-        normal = _log_integral_slope(width[:, 0])[:, None]
-        scores["acceptance_angle_rad"] = 2 * _FOUR_LN2 * angle**2 / width**3 - normal
-    if "axis" in names or "rotation_rad" in names:
-        # The angle over its sine is 1 on the axis itself.
-        per_sine = np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0)
-        towards = (2 * _FOUR_LN2 / width**2 * per_sine)[..., None] * across
-        if "rotation_rad" in names:
-            # A turn by ρ moves the axis by ρ × a.
-            scores["rotation_rad"] = np.cross(np.broadcast_to(axis, towards.shape), towards)
-        if "axis" in names:
-            scores["axis"] = np.einsum("pij,pensi->pensj", turns, towards)
-    return scores
+def _axes_in_world(looking: Looking, poses: Floats) -> Floats:
+    """(P, 1, N, 1, 3)."""
+    axes = np.einsum("pij,nj->pni", _turns(poses), looking[0].astype(np.float64))
+    return normalized(axes)[:, None, :, None, :]
 
 
 def _log_integral_slope(width: Floats) -> Floats:

@@ -7,13 +7,13 @@ The scene does not depend on the eye. With the sensitivity as a density p(ω; θ
 so that the rays that a response is the mean of give its derivative as well, by other weights, edges
 and all (the likelihood ratio method: Glynn 1990, doi:10.1145/84537.84552). The control variate b
 changes nothing in the mean, as that of ∂ ln p / ∂θ is 0; it is the response by other, independent
-rays, which keeps the estimate unbiased. What responses have beside their rays, as the sun's disc,
-has derivatives of its own (beside_rays.py).
+rays, which keeps the estimate unbiased. What responses have beside their rays, as the
+sun's disc, comes with the moments that its derivatives are made of.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,9 +26,8 @@ from omma.base.arrays import Floats
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
 from omma.base.values import value_class
-from omma.rendering.beside_rays import Beside
 from omma.rendering.call import Call, Poses, Prepared, Responses, poses_of
-from omma.rendering.gaussian_scores import PARAMETERS, Parameter, scores_of, turns_of
+from omma.rendering.gaussian_scores import PARAMETERS, Moments, Parameter, scores_of, slopes_of
 from omma.rendering.settings import Fixed, fixed_samples
 
 # How derivatives (P, N, C[, 3]) and a change of the parameter make a change of responses.
@@ -40,8 +39,6 @@ ALONG: dict[Parameter, str] = {
 
 # Independent estimates, whose spread is the error, as of standard errors (error_scrambles).
 _ESTIMATES = 8
-# Of those the first, which give the derivatives of what is seen beside rays; each costs six looks.
-_SLOPES = 4
 # Of what is kept of rays at once.
 _MOST_BYTES = 1 << 28
 
@@ -179,7 +176,7 @@ def jacobian(
         some = slice(start, min(start + at_once, len(matrices)))
         first = _ESTIMATES * (first_pose + start)
         part = share_of(progress, start / len(matrices), some.stop / len(matrices))
-        traced = _trace(seen_by, matrices[some], first, part, names)
+        traced = _trace(seen_by, matrices[some], first, part)
         _weigh(self.eye, matrices[some], traced, found, some)
     return found
 
@@ -283,53 +280,26 @@ class _Traced:
     directions: NDArray[np.float32]
     """(P, estimate, N, sample, 3), where they look, in the world."""
     beside: Floats
-    """(P, estimate, N, C), what is seen beside the rays."""
-    slopes: dict[Parameter, Floats]
-    """By parameter, (P, some of the estimates, N, C[, 3]): derivatives of that, where it is not 0
-    everywhere."""
+    """(P, estimate, N, 5, C), what is seen beside the rays, and its moments (omma/render.h)."""
 
 
 def _trace(
-    renderer: Prepared,
-    poses: Floats,
-    first_frame: int,
-    progress: Progress | None,
-    names: Collection[Parameter],
+    renderer: Prepared, poses: Floats, first_frame: int, progress: Progress | None
 ) -> _Traced:
     repeated = np.ascontiguousarray(np.repeat(poses, _ESTIMATES, axis=0))
     call = Call.of(renderer, repeated, {}, first_frame, progress)
     rays = (*call.size, fixed_samples(renderer.settings.sampling, "a Jacobian"))
     radiance = np.empty((*rays, renderer.bands), np.float32)
-    beside = np.empty((*call.size, renderer.bands), np.float32)
+    beside = call.new_beside()
     call.render(call.new_frames(), ray_radiance=radiance, beside_rays=beside)
     directions = np.empty((*rays, 3), np.float32)
     renderer._engine.ray_directions(repeated, first_frame, directions)
     shape = (len(poses), _ESTIMATES)
-    seen = beside.astype(np.float64).reshape(*shape, *beside.shape[1:])
     return _Traced(
         radiance.reshape(*shape, *radiance.shape[1:]),
         directions.reshape(*shape, *directions.shape[1:]),
-        seen,
-        _slopes(renderer, poses, first_frame, seen, names) if seen.any() else {},
+        beside.reshape(*shape, *beside.shape[1:]).astype(np.float64),
     )
-
-
-def _slopes(
-    renderer: Prepared, poses: Floats, first_frame: int, seen: Floats, names: Collection[Parameter]
-) -> dict[Parameter, Floats]:
-    """Derivatives of what is seen beside rays, by parameter."""
-    frames = range(first_frame, first_frame + _ESTIMATES * len(poses), _ESTIMATES)
-    beside = Beside(renderer, poses, frames, seen[:, :_SLOPES])
-    slopes: dict[Parameter, Floats] = {}
-    if "acceptance_angle_rad" in names:
-        slopes["acceptance_angle_rad"] = beside.by_width()
-    if "axis" in names or "rotation_rad" in names:
-        slopes["axis"] = beside.by_axis()
-        turns = turns_of(poses)
-        axis = np.einsum("pij,nj->pni", turns, renderer.eye.axis.astype(np.float64))
-        in_world = np.einsum("pij,pencj->penci", turns, slopes["axis"])
-        slopes["rotation_rad"] = np.cross(axis[:, None, :, None], in_world)
-    return slopes
 
 
 def _weigh(eye: Eye, poses: Floats, traced: _Traced, found: Jacobian, rows: slice) -> None:
@@ -343,20 +313,17 @@ def _weigh(eye: Eye, poses: Floats, traced: _Traced, found: Jacobian, rows: slic
         each = seen.mean(axis=3, dtype=np.float64)  # (P, estimate, N, C)
         others = (each.sum(axis=1, keepdims=True) - each) / (_ESTIMATES - 1)
         above = seen - others[:, :, :, None, :]
-        found.responses[rows, some] = (each + traced.beside[:, :, some]).mean(axis=1)
+        beside = traced.beside[:, :, some]
+        found.responses[rows, some] = (each + beside[:, :, :, 0]).mean(axis=1)
         looking = eye.axis[some], eye.acceptance_angle_rad[some]
+        moments = Moments(
+            beside[:, :, :, 0], beside[:, :, :, 1], np.moveaxis(beside[:, :, :, 2:], 3, -1)
+        )
+        of_beside = slopes_of(looking, poses, moments, found.values)
         scores = scores_of(looking, poses, traced.directions[:, :, some], found.values)
         for name, score in scores.items():
             estimate = np.einsum("pensc,pens...->penc...", above, score, optimize=True) / samples
-            value, error = _mean_and_error(estimate)
-            if name in traced.slopes:
-                slope, of_slope = _mean_and_error(traced.slopes[name][:, :, some])
-                value, error = value + slope, np.hypot(error, of_slope)
-            found.values[name][rows, some] = value
-            found.errors[name][rows, some] = error
-
-
-def _mean_and_error(estimates: Floats) -> tuple[Floats, Floats]:
-    """Of independent estimates (P, estimate, ..), their mean and its standard error."""
-    count = estimates.shape[1]
-    return estimates.mean(axis=1), estimates.std(axis=1, ddof=1) / np.sqrt(count)
+            estimate += of_beside[name]
+            found.values[name][rows, some] = estimate.mean(axis=1)
+            spread = estimate.std(axis=1, ddof=1) / np.sqrt(_ESTIMATES)
+            found.errors[name][rows, some] = spread

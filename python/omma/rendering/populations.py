@@ -54,7 +54,7 @@ class Population:
 
     Raises:
         omma.Error: no eyes, eyes of different receptors, sizes that are not those of the
-            ommatidia, an argument out of its range, a world on a graphics card.
+            ommatidia, an argument out of its range.
         TypeError: an argument is of another type.
     """
 

@@ -118,6 +118,23 @@ struct ConeRays {
   int u, k, each;
 };
 
+OMMA_HD Vec3 cone_direction(const DiscTask& of, std::uint32_t ray) {
+  const DiscPoints<float> point = even_disc_points(path_pair(of.hash, ray, 0u));
+  return disc_direction(*of.disc, point.x, point.y);
+}
+
+// Adds the moments of what a ray of a cone brings, [output][lane], to memory.aimed_moments.
+template <typename L>
+OMMA_HD_CALLED void add_aimed_moments(const DiscTask& of, int ray, float weight,
+                                      const float* brought, const BlockMemory& memory) {
+  const Vec3 direction = cone_direction(of, static_cast<std::uint32_t>(ray));
+  const AxisMoments moments = axis_moments_at(*of.replicate, direction);
+  for (int o = 0; o < of.frame->outputs; ++o)
+    for (int m = 0; m < axis_moments; ++m)
+      memory.aimed_moments[m * of.frame->outputs + o] +=
+          static_cast<double>(weight * brought[o * L::count]) * moments.factor[m];
+}
+
 // Those from number `begin` on, in a packet; `weight` [lane]: the density of the replicate's own
 // rays there. Returns the lanes that count.
 template <typename L>
@@ -130,9 +147,8 @@ OMMA_HD_CALLED LaneMask<L> write_cone_rays(const DiscTask& of, const ConeRays& c
   for (int l = 0; l < L::count; ++l) {
     const int ray = begin + l < rays ? begin + l : rays - 1;
     const auto sample = static_cast<std::uint32_t>(ray);
-    const DiscPoints<float> point = even_disc_points(path_pair(of.hash, sample, 0u));
     const DiscPoints<float> lens = even_disc_points(path_pair(of.hash, sample, 1u));
-    const Vec3 direction = disc_direction(*of.disc, point.x, point.y);
+    const Vec3 direction = cone_direction(of, sample);
     float turn[3][4];
     disc_turn(of, of.hash, ray, turn);
     weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
@@ -168,6 +184,8 @@ OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search&
   const FrameView& frame = *of.frame;
   const int outputs = frame.outputs, rays = disc_batches * cone.each;
   for (int i = 0; i < disc_batches * outputs; ++i) memory.aimed[i] = 0;
+  for (int i = 0; frame.beside_moments && i < axis_moments * outputs; ++i)
+    memory.aimed_moments[i] = 0;
   InMemory<L, Packet<L>> own;
   Packet<L>& packet = own.in(memory.packet);
   clear<L>(packet.rays);
@@ -185,12 +203,13 @@ OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search&
       double* const sums = memory.aimed + (begin + l) / cone.each * outputs;
       for (int o = 0; o < outputs; ++o)
         sums[o] += static_cast<double>(weight[l] * brought[o * n + l]);
+      if (frame.beside_moments) add_aimed_moments<L>(of, begin + l, weight[l], brought + l, memory);
     });
   }
 }
 
-// Adds what replicate `u` of those traced together sees in its cones to memory.beside, and the
-// square of its error to memory.beside_variance.
+// Adds what replicate `u` of those traced together sees in its cones to memory.beside, the square
+// of its error to memory.beside_variance and its moments to memory.beside_moments.
 template <typename L, typename Search>
 OMMA_HD_CALLED void add_aimed(const DiscTask& of_replicate, int u, Search& search,
                               const BlockMemory& memory) {
@@ -210,12 +229,15 @@ OMMA_HD_CALLED void add_aimed(const DiscTask& of_replicate, int u, Search& searc
       const double scale = static_cast<double>(cone.solid_sr) / each;
       memory.beside[o] += found.mean * scale;
       memory.beside_variance[o] += found.squares * scale * scale / (batches * (batches - 1));
+      for (int m = 0; of.frame->beside_moments && m < axis_moments; ++m)
+        memory.beside_moments[m * outputs + o] +=
+            memory.aimed_moments[m * outputs + o] * scale / batches;
     }
   }
 }
 
 // What each replicate of a list sees besides what its rays bring, of discs of the sky and where it
-// aims: `take(u)` is called when that is in memory.beside and memory.beside_variance.
+// aims: `take(u)` is called when that is in memory.beside, beside_variance and beside_moments.
 template <typename L, typename Search, typename Take>
 OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& task,
                                      const ReplicateList& list, Search& search,
@@ -228,6 +250,8 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
   const bool has_cones = has_aims(frame) && find_cones(frame, task, replicates, list.count, memory);
   for (int u = 0; u < list.count; ++u) {
     for (int o = 0; o < frame.outputs; ++o) memory.beside[o] = memory.beside_variance[o] = 0;
+    for (int i = 0; frame.beside_moments && i < axis_moments * frame.outputs; ++i)
+      memory.beside_moments[i] = 0;
     const Replicate replicate = replicate_at(replicates, u);
     if (has_discs(frame)) add_eye_discs<L>(frame, task, replicate, search, memory);
     if (has_cones)

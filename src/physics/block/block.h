@@ -85,9 +85,12 @@ OMMA_HD void trace_list(const BlockRun<Search>& run, const ReplicateList& list) 
     for (int o = 0; o < frame.outputs; ++o) {
       const double seen = memory.beside[o];
       memory.sums[o * memory.stride + list.sums_at + u] += samples * seen;
-      if (task.beside_rays != nullptr)
-        task.beside_rays[ommatidium * frame.outputs + o] =
-            static_cast<float>(seen * frame.radiance_unit);
+      if (task.beside_rays == nullptr) continue;
+      float* const rows = task.beside_rays + ommatidium * (1 + axis_moments) * frame.outputs + o;
+      rows[0] = static_cast<float>(seen * frame.radiance_unit);
+      for (int m = 0; m < axis_moments; ++m)
+        rows[(1 + m) * frame.outputs] =
+            static_cast<float>(memory.beside_moments[m * frame.outputs + o] * frame.radiance_unit);
     }
   });
 }

@@ -65,13 +65,13 @@ inline constexpr int most_cones = 8;
 struct ErrorMemory {
   double *sums = nullptr, *squares = nullptr;  // over all rays so far; see estimate
   float *roughness = nullptr, *unseen = nullptr;
-  double* of_cells = nullptr;    // variance that comes of cells of baked light
-  double* wanted = nullptr;      // variance that is asked for
-  double* roots = nullptr;       // sum over the rounds of the square roots of their rays
-  std::int32_t* rays = nullptr;  // so far
-  std::int32_t* next = nullptr;  // round to come, index into the directions; -1 for none
+  double* of_cells = nullptr;       // variance that comes of cells of baked light
+  double* wanted = nullptr;         // variance that is asked for
+  double* roots = nullptr;          // sum over the rounds of the square roots of their rays
+  std::int32_t* rays = nullptr;     // so far
+  std::int32_t* next = nullptr;     // round to come, index into the directions; -1 for none
   std::int32_t* members = nullptr;  // list_members
-  float* cell_errors = nullptr;  // as of PathMemory
+  float* cell_errors = nullptr;     // as of PathMemory
   TruthSums truth;
 };
 
@@ -111,6 +111,11 @@ struct BlockMemory {
   double *beside = nullptr, *beside_variance = nullptr;
   // Of one replicate, on a disc: sums [disc_batches][band]; its light and error, [2][band].
   double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr;
+  // Where moments of what is seen beside rays are asked for, [axis_moments] of them: of a
+  // replicate, [moment][output]; of it on discs and of sums over points of one, [moment][band]; of
+  // a cone, [moment][output].
+  double *beside_moments = nullptr, *disc_moments = nullptr, *disc_all_moments = nullptr,
+         *disc_seen_moments = nullptr, *aimed_moments = nullptr;
   // Cones that replicates aim at, [replicate][most_cones], how many, [replicate]; sums of one,
   // [disc_batches][output].
   AimCone* cones = nullptr;
@@ -198,12 +203,19 @@ OMMA_HD void lay_out_beside(Scratch& scratch, const FrameView& frame, BlockMemor
   const auto bands = static_cast<std::size_t>(frame.scene->bands);
   memory.beside = scratch.take<double>(outputs);
   memory.beside_variance = scratch.take<double>(outputs);
+  if (frame.beside_moments) memory.beside_moments = scratch.take<double>(axis_moments * outputs);
   Scratch discs = scratch;
+  if (frame.beside_moments)
+    for (double** const moments :
+         {&memory.disc_moments, &memory.disc_all_moments, &memory.disc_seen_moments})
+      *moments = discs.take<double>(axis_moments * bands);
   memory.disc_all = discs.take<double>(disc_batches * bands);
   memory.disc_seen = discs.take<double>(disc_batches * bands);
   memory.disc_light = discs.take<double>(2 * bands);
-  if (frame.scene->light->aim_count > 0)
+  if (frame.scene->light->aim_count > 0) {
     memory.aimed = scratch.take<double>(disc_batches * outputs);
+    if (frame.beside_moments) memory.aimed_moments = scratch.take<double>(axis_moments * outputs);
+  }
   scratch.used = discs.used > scratch.used ? discs.used : scratch.used;
 }
 

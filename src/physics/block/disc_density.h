@@ -128,11 +128,36 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
   return most;
 }
 
-// ∫ over the disc of the density of the replicate's rays, [0], and times the darkening, [1]: in
-// cosines at the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in turns
-// about its centre. Where S has edges in many small pieces. While the head moves a mean over times
-// too.
-OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
+// By what light from a direction d counts in its moments about an axis a, at the angle θ from it:
+// θ², and (θ/sin θ)(d − (d·a) a), of length θ, from the axis towards d. A Gaussian's derivatives by
+// its width and its axis are made of these (python/omma/rendering/gaussian_scores.py).
+struct AxisMoments {
+  double factor[axis_moments];
+};
+
+OMMA_HD AxisMoments axis_moments_at(const Replicate& replicate, Vec3 direction) {
+  const double d[3] = {direction.x, direction.y, direction.z};
+  double along = 0, sine_2 = 0, across[3];
+  for (int c = 0; c < 3; ++c) along += d[c] * static_cast<double>(replicate.axis[c]);
+  for (int c = 0; c < 3; ++c) {
+    across[c] = d[c] - along * static_cast<double>(replicate.axis[c]);
+    sine_2 += across[c] * across[c];
+  }
+  const double sine = sqrt(sine_2), theta = atan2(sine, along);
+  const double per_sine = sine > 0 ? theta / sine : 1;
+  return {{theta * theta, per_sine * across[0], per_sine * across[1], per_sine * across[2]}};
+}
+
+// ∫ over the disc of the density of the replicate's rays, [0], and times the darkening, [1];
+// `moments`: the same of that times each factor of AxisMoments, where they are asked for.
+struct DiscIntegral {
+  double whole[2] = {}, moments[2][axis_moments] = {};
+};
+
+// In cosines at the disc by Gauss and Legendre's rule, which limb darkening is smooth in, and in
+// turns about its centre. Where S has edges in many small pieces. While the head moves a mean over
+// times too.
+OMMA_HD DiscIntegral integrate_disc(const DiscTask& of) {
   constexpr double node[8] = {0.0198550717512319, 0.1016667612931866, 0.2372337950418355,
                               0.4082826787521751, 0.5917173212478249, 0.7627662049581645,
                               0.8983332387068134, 0.9801449282487681};
@@ -144,7 +169,7 @@ OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
   const int pieces = has_edges ? 4 : 1, turns = has_edges ? 128 : 16;
   const int times = of.task->motion != nullptr ? 16 : 1;
   const DiscView& disc = *of.disc;
-  integral[0] = integral[1] = 0;
+  DiscIntegral integral;
   int k = 0;
   for (int ring = 0; ring < 8 * pieces; ++ring) {
     const double cosine = (ring / 8 + node[ring % 8]) / pieces;
@@ -160,12 +185,22 @@ OMMA_HD void integrate_disc(const DiscTask& of, double (&integral)[2]) {
         float turn[3][4];
         disc_turn(of, of.hash, k++, turn);
         const double x = part * unit_pdf(of, direction, turn);
-        integral[0] += x;
-        integral[1] += x * darkened;
+        integral.whole[0] += x;
+        integral.whole[1] += x * darkened;
+        if (!of.frame->beside_moments) continue;
+        const AxisMoments moments = axis_moments_at(*of.replicate, direction);
+        for (int m = 0; m < axis_moments; ++m) {
+          integral.moments[0][m] += x * moments.factor[m];
+          integral.moments[1][m] += x * moments.factor[m] * darkened;
+        }
       }
     }
   }
-  for (double& x : integral) x /= static_cast<double>(disc.density);
+  for (int i = 0; i < 2; ++i) {
+    integral.whole[i] /= static_cast<double>(disc.density);
+    for (double& x : integral.moments[i]) x /= static_cast<double>(disc.density);
+  }
+  return integral;
 }
 
 }  // namespace omma

@@ -54,6 +54,8 @@ OMMA_HD DiscEffort choose_disc_effort(double most, double over) {
 // reaches the eye; and whether some, or not all, does.
 struct DiscSums {
   double *all = nullptr, *seen = nullptr;
+  // The same of all batches times each factor of AxisMoments, [moment][band], or null.
+  double *all_moments = nullptr, *seen_moments = nullptr;
   bool any_open = false, any_hidden = false;
 };
 
@@ -67,9 +69,10 @@ struct PointSet {
 template <typename L>
 struct DiscRays {
   Packet<L> shadow;
-  float weight[L::count];    // density of the replicate's own rays there
-  float darkened[L::count];  // towards the rim
-  LaneMask<L> asked;         // lanes whose weight is not 0
+  float weight[L::count];         // density of the replicate's own rays there
+  float darkened[L::count];       // towards the rim
+  AxisMoments moments[L::count];  // where they are asked for
+  LaneMask<L> asked;              // lanes whose weight is not 0
 };
 
 // Those to the points of a set from number `begin` on.
@@ -110,6 +113,7 @@ OMMA_HD_CALLED void write_disc_rays(const DiscTask& of, const PointSet& set, int
         static_cast<float>(disc_darkening(*of.disc, static_cast<double>(x[l] * x[l] + y[l] * y[l]) *
                                                         static_cast<double>(of.disc->chord_2)));
     if (to.weight[l] > 0.0f) to.asked.add(l);
+    if (of.frame->beside_moments) to.moments[l] = axis_moments_at(replicate, direction);
     Vector3<float> from = replicate.origin + replicate.s * from_x[l] + replicate.t * from_y[l];
     if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
     store_vector(shadow.origin, l, from);
@@ -132,6 +136,9 @@ OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMe
   const bool dims = lets_through(scene);
   sums.any_open = sums.any_hidden = false;
   for (int i = 0; i < set.batches * bands; ++i) sums.all[i] = sums.seen[i] = 0;
+  const bool of_moments = of.frame->beside_moments;
+  for (int i = 0; of_moments && i < axis_moments * bands; ++i)
+    sums.all_moments[i] = sums.seen_moments[i] = 0;
   DiscRays<L> to;
   clear<L>(to.shadow.rays);
   for (int begin = 0; begin < rays; begin += n) {
@@ -153,18 +160,23 @@ OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMe
         if (left < 1.0f) sums.any_hidden = true;
         sums.all[row + b] += light;
         if (is_open) sums.seen[row + b] += light * static_cast<double>(left);
+        for (int m = 0; of_moments && m < axis_moments; ++m) {
+          const double x = light * to.moments[l].factor[m];
+          sums.all_moments[m * bands + b] += x;
+          if (is_open) sums.seen_moments[m * bands + b] += x * static_cast<double>(left);
+        }
       }
     });
   }
 }
 
-// Adds what a replicate sees of a disc, by the sums over its points, to memory.disc_light: light,
-// [band], and the square of its error behind it.
+// Adds what a replicate sees of a disc, by the sums over its points, to `light`: light, [band], and
+// the square of its error behind it; and its moments to `moments`, [moment][band], where asked for.
 template <typename L>
-OMMA_HD_CALLED void add_disc_sums(const DiscTask& of, const DiscSums& sums, double* light) {
+OMMA_HD_CALLED void add_disc_sums(const DiscTask& of, const DiscSums& sums, double* light,
+                                  double* moments) {
   const int bands = of.frame->scene->bands;
-  double integral[2];
-  integrate_disc(of, integral);
+  const DiscIntegral integral = integrate_disc(of);
   const DiscView& disc = *of.disc;
   const LightView& light_view = *of.frame->scene->light;
   const float shade = light_view.clouds.optical_depth == nullptr
@@ -172,8 +184,8 @@ OMMA_HD_CALLED void add_disc_sums(const DiscTask& of, const DiscSums& sums, doub
                           : eval_cloud_shadow(light_view, disc, of.replicate->origin);
   for (int b = 0; b < bands; ++b) {
     const double limb = disc.limb != nullptr ? static_cast<double>(disc.limb[b]) : 0;
-    const double whole =
-        static_cast<double>(disc.radiance[b] * shade) * (integral[0] - limb * integral[1]);
+    const auto radiance = static_cast<double>(disc.radiance[b] * shade);
+    const double whole = radiance * (integral.whole[0] - limb * integral.whole[1]);
     double all = 0, seen = 0;
     for (int r = 0; r < disc_batches; ++r) {
       all += sums.all[r * bands + b];
@@ -190,6 +202,13 @@ OMMA_HD_CALLED void add_disc_sums(const DiscTask& of, const DiscSums& sums, doub
     constexpr double k = disc_batches;
     light[b] += whole * open;
     light[bands + b] += whole * whole * squares * k / ((k - 1) * all * all);
+    // As `all` and `seen` change with the density, so does their ratio.
+    for (int m = 0; of.frame->beside_moments && m < axis_moments; ++m) {
+      const double of_whole = radiance * (integral.moments[0][m] - limb * integral.moments[1][m]);
+      const double of_open =
+          (sums.seen_moments[m * bands + b] - open * sums.all_moments[m * bands + b]) / all;
+      moments[m * bands + b] += of_whole * open + whole * of_open;
+    }
   }
 }
 
@@ -209,8 +228,18 @@ OMMA_HD bool has_discs(const FrameView& frame) {
          frame.directions->warps != nullptr;
 }
 
-// Adds what a replicate sees of discs that its rays leave out to memory.beside, and the square of
-// its error to memory.beside_variance.
+// The output of number `o` that light in bands makes.
+OMMA_HD double output_of(const FrameView& frame, int o, const double* light) {
+  const int bands = frame.scene->bands, components = frame.scene->polarized ? 3 : 1;
+  if (frame.output_from_band == nullptr) return o < bands ? light[o] : 0;
+  double sum = 0;
+  for (int b = 0; b < bands; ++b)
+    sum += static_cast<double>(frame.output_from_band[o * bands * components + b]) * light[b];
+  return sum;
+}
+
+// Adds what a replicate sees of discs that its rays leave out to memory.beside, the square of its
+// error to memory.beside_variance and its moments to memory.beside_moments.
 template <typename L, typename Search>
 OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
                                   const Replicate& replicate, Search& search,
@@ -230,17 +259,21 @@ OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
                       mix_bits_32(replicate.hash + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
     const DiscEffort effort = disc_effort<L>(of);
     if (effort.plain == 0) continue;
-    if (!any)
+    if (!any) {
       for (int b = 0; b < 2 * bands; ++b) of_band[b] = 0;
+      for (int k = 0; frame.beside_moments && k < axis_moments * bands; ++k)
+        memory.disc_moments[k] = 0;
+    }
     any = true;
-    DiscSums sums{memory.disc_all, memory.disc_seen};
+    DiscSums sums{memory.disc_all, memory.disc_seen, memory.disc_all_moments,
+                  memory.disc_seen_moments};
     int each = effort.plain;
     if (effort.pilot > 0) {
       trace_disc<L>(of, search, memory, {1, 1, effort.pilot}, sums);
       if (sums.any_open && sums.any_hidden) each = effort.mixed;
     }
     trace_disc<L>(of, search, memory, {0, disc_batches, each}, sums);
-    if (sums.any_open) add_disc_sums<L>(of, sums, of_band);
+    if (sums.any_open) add_disc_sums<L>(of, sums, of_band, memory.disc_moments);
   }
   if (!any) return;
   const int components = frame.scene->polarized ? 3 : 1;
@@ -261,6 +294,9 @@ OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
     }
     memory.beside[o] += sum;
     memory.beside_variance[o] += squares;
+    for (int m = 0; frame.beside_moments && m < axis_moments; ++m)
+      memory.beside_moments[m * frame.outputs + o] +=
+          output_of(frame, o, memory.disc_moments + m * bands);
   }
 }
 

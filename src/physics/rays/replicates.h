@@ -109,7 +109,7 @@ OMMA_HD_CALLED void make_replicates(const EyeView& eye, const BlockTask& task,
 
     // Its pattern, and its turn about the axis from other bits; scrambles of one ommatidium differ
     // in both.
-    const U hash = ommatidium_hash(pose, uint_of(at(eye.ommatidium)));
+    const U hash = ommatidium_hash(pose, uint_of(at(eye.number)));
     const I warp = at(eye.warp);
     const I fixed_turn = gather(directions.fixed_turn, warp);
     const I own_turn =

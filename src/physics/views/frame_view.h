@@ -27,6 +27,7 @@ struct EyeView {
   const float* scale = nullptr;              // of its warp: sines of polar angles times this
   const std::int32_t* warp = nullptr;        // index into the warps of DirectionsView
   const std::int32_t* ommatidium = nullptr;  // index in the Eye
+  const std::int32_t* number = nullptr;      // in its own eye of a population, for random numbers
   bool has_apertures = false;                // whether any radius is above 0
   bool has_scales = false;                   // whether any scale is not 1
   std::int32_t ommatidium_count = 0;
@@ -99,15 +100,18 @@ struct FrameView {
   // `relative_error` times the response, or their rays are most_samples.
   int rounds = 1;
   double error = 0, relative_error = 0;
-  int most_samples = 0;  // 0: not rendered to an error
+  int most_samples = 0;                   // 0: not rendered to an error
   const std::uint8_t* nearest = nullptr;  // [ommatidium][listened_to], place in its block
   const TruthView* truth = nullptr;       // null: none is asked for
+  bool beside_moments = false;            // whether BlockTask::beside_rays is asked for
   // By which rays count discs of the sky (counts_by_rays), the same for all; -1: each ommatidium's
   // own.
   float acceptance_sr = -1;
 };
 
 struct HeadMotion;  // head_motion.h
+
+inline constexpr int axis_moments = 4;
 
 // RayPacket::mask of rays on their way from the eye, and of those that go on from surfaces and to
 // lights.
@@ -120,14 +124,16 @@ struct BlockTask {
   float world_from_head[3][4] = {};  // row major
   // How the head moves while what is seen goes into the frame; null: it does not.
   const HeadMotion* motion = nullptr;
-  std::uint64_t pose = 0;            // index, for the random numbers
-  SeenMasks sees;                    // of its rays
-  int first = 0, count = 0;          // ommatidia, in the order of EyeView
-  float* responses = nullptr;        // [ommatidium][output] of this pose
-  float* standard_error = nullptr;   // the same, or null
-  std::int32_t* rays = nullptr;      // [ommatidium] of this pose, spent; or null
-  float* ray_radiance = nullptr;     // [ommatidium][sample][output] of this pose, or null
-  float* beside_rays = nullptr;      // [ommatidium][output] of this pose, eval_beside_rays; or null
+  std::uint64_t pose = 0;           // index, for the random numbers
+  SeenMasks sees;                   // of its rays
+  int first = 0, count = 0;         // ommatidia, in the order of EyeView
+  float* responses = nullptr;       // [ommatidium][output] of this pose
+  float* standard_error = nullptr;  // the same, or null
+  std::int32_t* rays = nullptr;     // [ommatidium] of this pose, spent; or null
+  float* ray_radiance = nullptr;    // [ommatidium][sample][output] of this pose, or null
+  // Or null: what is seen beside rays, and its moments (disc_density.h), of this pose,
+  // [ommatidium][1 + axis_moments][output].
+  float* beside_rays = nullptr;
   const TruthTask* truth = nullptr;  // of this pose, where it is asked for
 };
 
