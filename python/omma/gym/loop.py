@@ -65,7 +65,8 @@ class Loop:
             `numpy.random.Generator`, pose is ``world_from_head`` (4, 4), m.
         motion: motion(state, action, rng) -> (state, pose), what an action does.
         reward: reward(moment) -> float, what came of it, by a `Moment`.
-        action_space: a `gymnasium.spaces.Space`.
+        action_space: a `gymnasium.spaces.Space`. Actions beyond it reach ``motion`` as they are;
+            Gymnasium's wrapper `ClipAction` clips them.
         ended: ended(moment) -> bool, whether the episode has come to its end, as by a collision;
             None: it never does.
         most_steps: after so many steps an episode is cut off; None: never.
