@@ -356,6 +356,15 @@ def test_outputs_and_light_that_cannot_be(tmp_path, dataset, more, poses, words)
     assert not (tmp_path / "job.zarr").exists()
 
 
+def test_shared_rays_in_a_polarised_world_are_told_when_the_job_is_read(tmp_path):
+    lit = "[[condition]]\nname = 'a'\nlight = {sky = 'uniform_sky'}\npolarized = true"
+    job = write_job(tmp_path, more=lit)
+    assert datasets.load_job(job).conditions[0].world_options["polarized"]
+    job.write_text(job.read_text().replace("samples = 2", "shared = 2"))
+    with pytest.raises(omma.Error, match="rendering.shared: expected samples where a condition"):
+        datasets.load_job(job)
+
+
 def test_flow_and_shares_are_those_of_ground_truth(tmp_path):
     """Of heads that fly ahead and turn; what stands in one condition alone has no share in the
     other."""
