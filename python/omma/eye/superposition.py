@@ -238,7 +238,9 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
     `render_receptors` gives is pooled by `receptor_wiring`.
 
     Args:
-        aperture_diameter_m: of the disc across the axis; None: the eye's own.
+        aperture_diameter_m: of the disc across the axis; None: the eye's own. Told here alone it is
+            unknown to `omma.receptors.photon_catch`, which then counts photons of one facet: give
+            it to the eye, ``eye.replace(aperture_diameter_m=...)``.
 
     Raises:
         omma.Error: an ommatidium without an aperture, or with no facet in it.
