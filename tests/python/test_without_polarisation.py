@@ -84,7 +84,10 @@ def test_detection_in_a_scene_tells_it():
     )
     without = omma.scene.box((1, 1, 0.1), center_m=(0, 0, -0.1))
     target = omma.colour_vision.SceneTarget(
-        omma.scene.merge_scenes([without, omma.scene.disc(0.1, (0.9, 0.9, 0.9))]), without, 0.2, ultraviolet="dark"
+        omma.scene.merge_scenes([without, omma.scene.disc(0.1, (0.9, 0.9, 0.9))]),
+        without,
+        0.2,
+        ultraviolet="dark",
     )
     few = {"sampling": omma.Fixed(4), "between_m": (1, 2)}
     counted = [omma.colour_vision.Observer(receptors=(one,)) for one in ("plain", "rim")]
