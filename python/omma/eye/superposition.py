@@ -121,7 +121,8 @@ def neural_superposition_wiring(
     Each receptor goes to the ommatidium of its eye whose axis is nearest to where it looks, if that
     is within ``reach`` of the local interommatidial angle there. So six are pooled inside a fly's
     eye, fewer at its border, and seven or eight along the equator, where the pattern is mirrored
-    (Kirschfeld, Exp Brain Res 3:248, 1967; there with R7/8 as 7, and 8 to 9).
+    (Kirschfeld, Exp Brain Res 3:248, 1967; there with R7/8 as 7, and 8 to 9). Where the lattice has
+    faults there may be more.
 
     Args:
         receptors: names of the types that are pooled; None: all that look beside the axis.
