@@ -151,6 +151,28 @@ def test_a_gaussian_lowers_a_grating_by_its_transfer(wavelength_deg):
     assert made == pytest.approx(transfer * np.cos(2 * np.pi * at / wavelength), abs=0.01)
 
 
+def test_weights_are_those_of_the_pages_formula():
+    """Slowly, from angles alone; an eye whose spacing changes tells the mean square of angles from
+    the square of their mean."""
+    eye = omma.eye.generate_eye(200)
+    y = eye.axis[:, 1].astype(np.float64)
+    eye = eye.replace(axis=eye.axis * np.stack([1 + 0.5 * y, np.ones_like(y), 1 + 0.3 * y], -1))
+    columns = omma.columns.hexal_columns(3, np.radians(12), omma.eye.direction(75, 0))
+    width = np.radians(15)
+    matrix = omma.columns.resampling_matrix(eye, columns, width_rad=width, reach_rad=1.0).toarray()
+    axes = eye.axis.astype(np.float64)
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    apart = np.sort(np.arccos(np.clip(axes @ axes.T, -1, 1)), axis=1)[:, 1:7]
+    share = (apart**2).mean(axis=1)
+    angle = np.arccos(np.clip(columns.axis @ axes.T, -1, 1))
+    weights = share * np.exp(-4 * np.log(2) * (angle / width) ** 2) * (angle <= 2 * width)
+    expected = weights / weights.sum(axis=1, keepdims=True)
+    # Arc cosines of angles of some degrees are right to 1e-14.
+    assert np.abs(matrix - expected).max() < 1e-10
+    squared = apart.mean(axis=1) ** 2 / share
+    assert np.ptp(squared) > 0.01
+
+
 def test_columns_that_look_elsewhere_are_named(fly):
     behind = omma.columns.hexal_columns(2, SPACING, omma.eye.direction(-120.0, 0.0))
     with pytest.raises(omma.Error, match=r"columns: \d+ of 19 look further than \d+\.\d° from any"):

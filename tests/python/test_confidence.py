@@ -142,3 +142,14 @@ def test_wrong_arguments(changed, word):
         omma.study.confidence_interval(make_eye(5), **(arguments | changed))
     with pytest.raises(TypeError, match=r"^eye: expected omma\.Eye"):
         omma.study.confidence_interval("an eye", **arguments)
+
+
+def test_an_error_of_exactly_0_is_no_proof():
+    """Of a bright disc that fills 3e-5 of the field, which 64 rays miss."""
+    disc = omma.scene.disc(0.002, center_m=(0, 0, -1))
+    world = omma.World(disc, background=omma.Background.constant([0.5, 0.5, 0.5]))
+    eye = omma.Eye([[0, 0, 0]], [[0.0, 0.0, -1.0]], np.radians(20))
+    few, error = omma.Renderer(world, eye, omma.Fixed(8)).render(np.eye(4), standard_error=True)
+    assert np.all(few == 0.5)
+    assert np.all(error == 0)
+    assert np.all(omma.Renderer(world, eye, omma.Fixed(1 << 18)).render(np.eye(4)) > 0.5)

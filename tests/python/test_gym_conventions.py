@@ -3,6 +3,7 @@ pictures of them, and no Gymnasium."""
 
 import sys
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,27 @@ def test_steps_after_the_end_are_told(loop, way):
         for _ in range(5):
             many.step(np.full((2, 1), -1, np.float32))
     with pytest.warns(UserWarning, match=r"step: the episode is over .*expected reset\(\)"):
+        env.step(np.array([1.0]))
+
+
+def test_actions_beyond_the_space_are_for_wrappers_or_the_caller(loop):
+    """As Gymnasium's checker of environments has it."""
+    env, envs = omma.gym.eye_env(loop), omma.gym.eye_vector_env(loop, 2)
+    env.reset(seed=1)
+    assert env.step(np.array([5.0]))[1] == 5
+    clipped = gymnasium.wrappers.ClipAction(env)
+    clipped.reset(seed=1)
+    assert clipped.step(np.array([5.0], np.float32))[1] == 1
+    many = gymnasium.wrappers.vector.ClipAction(envs)
+    many.reset(seed=1)
+    assert many.step(np.array([[5.0], [0.5]], np.float32))[1].tolist() == [1, 0.5]
+
+
+@pytest.mark.parametrize("name", ["nearest_m", "distance_m"])
+def test_distances_that_no_loop_asked_for(loop, name):
+    env = omma.gym.eye_env(replace(loop, ended=lambda moment: getattr(moment, name).min() < 1))
+    env.reset(seed=1)
+    with pytest.raises(omma.Error, match=rf"{name}: expected a loop with distances=True"):
         env.step(np.array([1.0]))
 
 

@@ -157,6 +157,18 @@ def test_a_time_and_place(tmp_path, run_omma, moment):
     assert (code, err) == (0, "")
 
 
+def test_a_time_when_the_sun_is_too_low(tmp_path, run_omma):
+    pytest.importorskip("ephem")
+    given = ("--time", "2026-06-21T23:30:00+02:00", "--place", "52.5,13.4")
+    code, _, err = run_omma("light", "show", *given, "-o", str(tmp_path / "sky.png"))
+    assert code == 1
+    assert "--time: expected one when the sun stands at -8 degrees or higher, found -11" in err
+    assert "--kind natural goes on into the night" in err
+    moment = datetime(2026, 6, 21, 21, 30, tzinfo=timezone.utc)
+    with pytest.raises(omma.Error, match=r"^date_time: .*found -11.* natural_sky_at goes on"):
+        omma.light.clear_sky_at(moment, 52.5, 13.4)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

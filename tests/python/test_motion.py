@@ -360,6 +360,14 @@ def test_what_are_no_gratings():
     for contrast in (50, [0.5, -0.1]):
         with pytest.raises(omma.Error, match=r"contrast: expected 0 to 1 \(not per cent\), found"):
             omma.motion.grating_response(contrast, 0.1, 1, 0.1, TAU_S)
+    with pytest.raises(omma.Error, match="frequency_hz: expected numbers, found nan"):
+        omma.motion.grating_response(1, 0.1, [1, np.nan], 0.1, TAU_S)
+    with pytest.raises(omma.Error, match="separation_rad: expected numbers, found nan"):
+        omma.motion.grating_response(1, 0.1, 1, np.nan, TAU_S)
+    with pytest.raises(omma.Error, match="mean: expected a number above 0, to which the contrast"):
+        omma.motion.grating_response(1, 0.1, 1, 0.1, TAU_S, mean=0)
+    with pytest.raises(omma.Error, match=r"mean: expected 0 to 1e\+150, found -1"):
+        omma.motion.grating_response(1, 0.1, 1, 0.1, TAU_S, mean=-1)
     with pytest.raises(omma.Error, match="tau_s: expected a number above 0"):
         omma.motion.best_frequency_hz(0)
     with pytest.raises(omma.Error, match="rows: expected one of v, q, -p, -v, -q, p, found 'h'"):

@@ -126,6 +126,17 @@ def test_update_moves_what_moved_and_nothing_else():
     assert world.instances[0].world_from_node[2, 3] == -0.5
 
 
+def test_sizes_that_change_are_told_once_and_not_followed():
+    model, data = of(BOX)
+    world = omma.mujoco.world_from_model(model, data)
+    omma.mujoco.update(world, data)
+    model.geom("a").size[0] *= 2
+    with pytest.warns(UserWarning, match="the size of geom 'a' has changed") as told:
+        [omma.mujoco.update(world, data) for _ in range(2)]
+    assert len(told) == 1
+    assert told[0].filename == __file__
+
+
 def test_an_updated_world_is_one_made_there(all_kinds):
     model, _ = all_kinds
     data, later = mujoco.MjData(model), mujoco.MjData(model)

@@ -46,6 +46,8 @@ def test_numbers_as_obj_files_write_them(tmp_path):
         ("f 1 2 0", "line 5: expected f and corners"),
         ("f 1 2 3.5", "line 5: expected f and corners"),
         ("f 1 2 \\\n 3\nf 1 2 x", "line 7: expected f and corners"),
+        ("f 1 2 3\nf 1 2 9", "line 6: expected faces of the 3 vertices .*found one of number 9"),
+        ("f 3 2 1\nf 1/ 2/7 3", "line 6: expected faces of the 0 texture .*of number 7"),
         ("f 1 2 -9", "line 5: expected a face of vertices that stand before it"),
     ],
 )
@@ -64,3 +66,16 @@ def test_faces_as_obj_files_write_them(tmp_path, face):
     path = tmp_path / "a.obj"
     path.write_text(f"v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\n{face}\n")
     assert omma.load_scene(path).triangle_count == 1
+
+
+@pytest.mark.parametrize("slashes", [("/", "//", ""), ("/", "/", "/"), ("//", "//", "//")])
+def test_slashes_with_nothing_behind_them(tmp_path, slashes):
+    """They say that there is no texture coordinate: the library that reads took the number of the
+    next corner for it."""
+    path = tmp_path / "a.obj"
+    corners = " ".join(f"{k + 1}{one}" for k, one in enumerate(slashes))
+    for given in ("", "vt .1 .2\nvt .3 .4\nvt .5 .6\n"):
+        path.write_text(f"v 0 0 0\nv 1 0 0\nv 1 1 0\n{given}f {corners}")
+        scene = omma.load_scene(path)
+        assert scene.meshes[0].texture_coordinates is None
+        assert scene.meshes[0].triangles.tolist() == [[0, 1, 2]]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import make_eye
 from dataset_jobs import write_job
-from test_points import write_ply
+from point_clouds import write_ply
 
 import omma
 from omma.job.info import describe_file

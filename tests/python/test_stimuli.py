@@ -218,6 +218,8 @@ BAD = [
     (DrumGrating, {"waveform": "sin"}, "waveform: expected one of sine, square"),
     (DrumGrating, {"direction": "up"}, "direction: expected one of right, left"),
     (DrumGrating, {"mean": -1}, "mean: expected 0 to 1e"),
+    (SphereGrating, {"mean": 0}, "mean: expected a radiance above 0, to which the contrast is"),
+    (NoisePanorama, {"mean": 0}, "mean: expected a radiance above 0, to which the contrast is"),
     (SphereGrating, {"temporal_frequency_hz": np.nan}, "temporal_frequency_hz: expected"),
     (SphereGrating, {"name": ""}, "name: expected"),
     (PlaneGrating, {"center_m": (0, 0, 0)}, "center_m: expected 0.001 to 1e6 m"),
@@ -235,6 +237,10 @@ BAD = [
 def test_bad_parameters_are_named(kind, given, message):
     with pytest.raises(omma.Error, match=message):
         kind(**given)
+
+
+def test_black_is_black_where_no_contrast_is_asked():
+    assert SphereGrating(mean=0, contrast=0).radiance([[0, 0, -1]], 0.0) == 0
 
 
 def test_bad_paths_and_arenas_are_named():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import omma
+from omma.eye.neighbours import direction_lattice
 from omma.eye.trapezoid import TRAPEZOID
 
 SPACING = np.radians(4.5)
@@ -264,6 +265,22 @@ def test_receptors_to_pool_are_chosen_by_name_and_reach():
         omma.eye.superposition.neural_superposition_wiring(plain)
     with pytest.raises(omma.Error, match="reach"):
         omma.eye.superposition.neural_superposition_wiring(fly, reach=0)
+
+
+def test_faults_of_the_modelled_flys_lattice():
+    """As docs/receptors.md has it; on lattices without faults there are at most eight."""
+    fly = omma.species.drosophila().eye
+    members = omma.eye.superposition.neural_superposition_wiring(fly).members
+    more = members > 8
+    assert (len(fly), more.sum(), members.max()) == (1709, 10, 10)
+    assert (np.abs(fly.axis[more, 1]) < np.sin(np.radians(8))).sum() == 9
+    neighbours = direction_lattice(fly.axis.astype(np.float64), fly.eye_id)
+    count = np.bincount(neighbours.pairs.ravel(), minlength=len(fly))
+    beside = [np.append(neighbours.pairs[(neighbours.pairs == i).any(axis=1)], i)
+              for i in range(len(fly))]  # fmt: skip
+    within_two = [np.unique(np.concatenate([beside[j] for j in beside[i]]))
+                  for i in np.flatnonzero(more)]  # fmt: skip
+    assert sum(bool((count[near] != 6).any()) for near in within_two) == 9
 
 
 def test_wrong_flies_are_named():

@@ -151,6 +151,23 @@ def test_catches_of_facets_add_up_to_the_apertures_by_area():
     np.testing.assert_allclose(summed, areas[owner] * caught(eye), rtol=1e-5)
 
 
+def test_an_aperture_that_only_the_views_know_counts_no_photons():
+    """As pages say: one facet's, by area (16 or 20 µm of 85)."""
+    eye, light = moth(), omma.light.uniform_sky(1e15)
+    told = eye.replace(aperture_diameter_m=0.0)
+    _, wiring = omma.eye.superposition.superposition_facets(told, 85e-6)
+    assert np.array_equal(wiring.first, omma.eye.superposition.superposition_facets(eye)[1].first)
+    ones = np.ones(len(eye.receptor_type))
+    by_facet, by_aperture = (
+        omma.receptors.photon_catch(one, ones, light, integration_time_s=0.01)
+        for one in (told, eye)
+    )
+    owner = omma.receptors.ommatidium_of_receptor(eye)
+    share = (eye.facet_diameter_m.astype(np.float64) / eye.aperture_diameter_m)[owner] ** 2
+    # Diameters are in single precision.
+    np.testing.assert_allclose(by_facet, share * by_aperture, rtol=1e-5)
+
+
 def test_receptor_wiring_says_what_lacks():
     views, wiring = omma.eye.superposition.superposition_facets(flat_eye(), 85e-6)
     with pytest.raises(omma.Error, match="views: expected receptors, found none; give them"):

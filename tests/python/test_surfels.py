@@ -4,8 +4,8 @@ import warnings
 
 import numpy as np
 import pytest
+from point_clouds import write_las, write_ply
 from scipy.spatial import Voronoi
-from test_points import write_las, write_ply
 
 import omma
 from omma.eye.field import sphere_directions

@@ -1,6 +1,7 @@
 """Ground truth as labelled data sets, which take that of their own poses and eye alone."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -66,6 +67,14 @@ def test_a_dataset_takes_the_truth_of_its_own_poses_and_eye_alone(things):
     wider = renderer.with_eye(eye.replace(acceptance_angle_rad=np.full(20, 0.1, np.float32)))
     with pytest.raises(omma.Error, match="this renderer's eye, found that of another eye"):
         wider.dataset(poses, truth=truth)
+    bare, red = omma.scene.box(), omma.Background.constant([1, 0, 0])
+    for world, what in ((omma.World(bare), "scene"), (omma.World(things, background=red), "back")):
+        with pytest.raises(omma.Error, match=f"this renderer's world, .* another {what}"):
+            omma.Renderer(world, eye, omma.Fixed(2)).dataset(poses, truth=truth)
+    omma.Renderer(things, eye, omma.Fixed(2)).dataset(poses, truth=truth)  # the same scene, anew
+    kept = pickle.loads(pickle.dumps(truth))
+    assert kept == truth
+    omma.Renderer(bare, eye, omma.Fixed(2)).dataset(poses, truth=kept)
     # Poses that were kept in single precision are the same, and so is what was made by hand.
     renderer.dataset(poses.astype(np.float32), truth=truth)
     by_hand = dataclasses.replace(truth, world_from_head=None, eye=None)

@@ -66,3 +66,38 @@ def test_it_is_not_told_where_nothing_is_left_out(light, sensitivity, polarized)
         warnings.simplefilter("error")
         renderer.render_receptors(np.eye(4))
         renderer.render(np.eye(4))
+
+
+def test_detection_in_a_scene_tells_it():
+    plain, rim = (
+        omma.receptors.ReceptorType(
+            name,
+            peak_wavelength_nm=500,
+            polarisation_sensitivity=sensitivity,
+            absorption_per_m=6700,
+            length_m=2e-4,
+        )
+        for name, sensitivity in (("plain", 1.0), ("rim", 6.3))
+    )
+    eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.05, facet_diameter_m=20e-6).replace(
+        receptor_types=[plain, rim], receptors=[[0, 1]]
+    )
+    without = omma.scene.box((1, 1, 0.1), center_m=(0, 0, -0.1))
+    target = omma.colour_vision.SceneTarget(
+        omma.scene.merge_scenes([without, omma.scene.disc(0.1, (0.9, 0.9, 0.9))]),
+        without,
+        0.2,
+        ultraviolet="dark",
+    )
+    few = {"sampling": omma.Fixed(4), "between_m": (1, 2)}
+    counted = [omma.colour_vision.Observer(receptors=(one,)) for one in ("plain", "rim")]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "sampling: of 8")
+        omma.detect(eye, target, omma.light.overcast_sky(20, bands=BANDS), counted[1], **few)
+        omma.detect(eye, target, CLEAR, counted[0], **few)
+        disc = omma.colour_vision.DiscTarget(0.1, 0.5, 0.1)
+        omma.detect(eye, disc, CLEAR, counted[1], **few)
+    with pytest.warns(UserWarning, match=r"PS\) of up to 6.3.*omma\.detect follows no") as told:
+        [omma.detect(eye, target, CLEAR, counted[1], **few) for _ in range(2)]
+    assert sum("PS)" in str(one.message) for one in told) == 1

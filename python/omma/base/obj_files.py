@@ -38,6 +38,9 @@ _NO_VERTEX, _NO_COORDINATE, _NO_NORMAL = (
 # Numbers of a vertex, which is not 0, of its texture coordinate and of its normal.
 _CORNER = rb"[ \t]+[+-]?0*[1-9]\d*(?:/[+-]?\d*){0,2}"
 _NO_FACE = re.compile(rb"^[ \t]*f(?=[ \t])(?!(?:%s)+%s)[^\r\n]*" % (_CORNER, _END), re.MULTILINE)
+# Slashes with nothing behind them, after which the library takes the next corner's number.
+_OPEN = re.compile(rb"/+(?=[ \t\r\n]|\Z)")
+_WITH_OPEN = re.compile(rb"^[ \t]*f[ \t][^\r\n]*?/(?=[ \t\r\n]|\Z)[^\r\n]*", re.MULTILINE)
 _COMMENT = re.compile(rb"^([ \t]*f[ \t][^\r\n#]*)#[^\r\n]*", re.MULTILINE)
 # Lines that go on after a backslash, with the last of them.
 _CONTINUED = re.compile(rb"^(?:[^\n]*\\[ \t]*\r?\n)+[^\n]*", re.MULTILINE)
@@ -51,6 +54,7 @@ def read_obj(path: str) -> MeshParts:
         data = _CONTINUED.sub(_in_one_line, data)
     _expect_lines(path, data)
     data = _COMMENT.sub(rb"\1", data)
+    data = _WITH_OPEN.sub(lambda face: _OPEN.sub(b"", face[0]), data)
     libraries = [_text(one).strip() for one in _LIBRARY.findall(data)]
     names: dict[bytes, int] = {}
 
@@ -62,7 +66,7 @@ def read_obj(path: str) -> MeshParts:
     used = [_text(one) for one in names]
     materials = Materials(path, libraries, used)
     parts = materials.parts
-    _add_pieces(path, reader, parts, used)
+    _add_pieces(path, data, reader, parts, used)
     if wrong := len(_NO_COORDINATE.findall(data)):
         parts.warnings.append(
             f"{wrong} texture coordinates are no numbers, and count as 0 where they are none"
@@ -118,7 +122,26 @@ def _parsed(path: str, data: bytes, material_count: int) -> Any:
     return reader
 
 
-def _add_pieces(path: str, reader: Any, parts: MeshParts, used: list[str]) -> None:
+def _expect_indices(path: str, data: bytes, many: str, index: Ints, size: int) -> None:
+    """omma.Error where a face has a vertex or a texture coordinate that the file does not; -1 is
+    no texture coordinate."""
+    is_vertex = many == "vertices"
+    bad = index[(index < (0 if is_vertex else -1)) | (index >= size)]
+    if not len(bad):
+        return
+    number = int(bad[0]) + 1
+    before = b"" if is_vertex else rb"[^\s/]+/"
+    face = rb"^[ \t]*f[ \t](?:[^\r\n]*[ \t])?%s\+?0*%d(?=[/ \t\r\n]|\Z)" % (before, number)
+    found = re.search(face, data, re.MULTILINE)
+    above = 0 if found is None else data.count(b"\n", 0, found.start())
+    line = "" if found is None else f"line {above + 1}: "
+    raise Error(
+        f"{path}: {line}expected faces of the {size} {many} that there are, found one of "
+        f"number {number}"
+    )
+
+
+def _add_pieces(path: str, data: bytes, reader: Any, parts: MeshParts, used: list[str]) -> None:
     attributes = reader.GetAttrib()
     positions = _rows(attributes.vertices, 3)
     coordinates = _rows(attributes.texcoords, 2)
@@ -132,17 +155,9 @@ def _add_pieces(path: str, reader: Any, parts: MeshParts, used: list[str]) -> No
     counts = _joined([one.num_face_vertices for one in faces])
     material = _joined([one.material_ids for one in faces])
     vertex = _joined([one.vertex_indices() for one in faces])
-    coordinate = _joined([one.texcoord_indices() for one in faces])  # -1 where it has none
-    for many, index, size, least in (
-        ("vertices", vertex, len(positions), 0),
-        ("texture coordinates", coordinate, len(coordinates), -1),
-    ):
-        bad = np.flatnonzero((index < least) | (index >= size))
-        if len(bad):
-            raise Error(
-                f"{path}: expected faces of the {size} {many} that there are, found one of number "
-                f"{index[bad[0]] + 1}"
-            )
+    coordinate = _joined([one.texcoord_indices() for one in faces])
+    _expect_indices(path, data, "vertices", vertex, len(positions))
+    _expect_indices(path, data, "texture coordinates", coordinate, len(coordinates))
     cut = triangulate(positions, vertex, counts)
     if cut.crossed:
         parts.warnings.append(

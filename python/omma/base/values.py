@@ -59,7 +59,8 @@ def check_format(found: object, expected: int, name: str) -> None:
 
 
 def _fields(self: Any) -> dict[str, Any]:
-    return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+    kept = vars(self)
+    return {field.name: kept[field.name] for field in dataclasses.fields(self)}
 
 
 def _equal(self: Any, other: object) -> Any:
@@ -105,8 +106,9 @@ def _set_state(self: Any, state: dict[str, Any]) -> None:
 def _line(self: Any) -> str:
     """Its fields in one line, arrays by their type and shape; fields at their default left out."""
     text = ""
+    kept = _fields(self)
     for field in dataclasses.fields(self):
-        value = getattr(self, field.name)
+        value = kept[field.name]
         if field.default is not dataclasses.MISSING and same(value, field.default):
             continue
         added = f"{', ' if text else ''}{field.name}={_short(value)}"

@@ -137,6 +137,7 @@ def show(
                 "moon_azimuth_deg": "azimuth",
                 "ozone_du": "ozone",
                 "height_m": "height",
+                "date_time": "time",
                 "latitude_deg": "place",
                 "longitude_deg": "place",
             }

@@ -19,6 +19,7 @@ from omma.colour_vision.targets import DiscTarget, SceneTarget
 from omma.colour_vision.views import Looking, View
 from omma.light.lights import Light
 from omma.rendering.settings import Fixed
+from omma.rendering.without_polarisation import tell_detection_without_polarisation
 
 # Rays by which a distance is looked for, to a factor of two, and then until its standard error is
 # small enough.
@@ -101,7 +102,9 @@ def detect(
             where no ommatidium looks.
 
     Warns:
-        UserWarning: too few rays meet the target to give the distance an error.
+        UserWarning: too few rays meet the target to give the distance an error; receptors that
+            count tell directions of polarisation, of which the light of a scene has some (once a
+            session).
     """
     observer = Observer() if observer is None else observer
     near, far = _ends(between_m)
@@ -113,6 +116,9 @@ def detect(
     else:
         view = SceneView(eye, target, *seen_as)
     decision = Decision(eye, observer)
+    # A disc and its ground are matte, and polarise nothing.
+    if isinstance(target, SceneTarget):
+        tell_detection_without_polarisation(light, decision.most_polarisation)
     far = min(far, view.farthest_m())
     if near >= far:
         raise Error(

@@ -90,7 +90,10 @@ class Observer:
 
 
 class Decision:
-    """What an observer makes of what an eye sees of a target."""
+    """What an observer makes of what an eye sees of a target.
+
+    ``most_polarisation`` is the largest polarisation sensitivity among the receptors that count.
+    """
 
     def __init__(self, eye: Eye, observer: Observer) -> None:
         self._observer = observer
@@ -109,6 +112,9 @@ class Decision:
         self._counts = np.array(counts, bool)
         self._noise = np.array(observer.noise or [0.1] * len(names))
         self._names = names
+        used = [eye.receptor_types[k] for k in np.unique(eye.receptor_type).tolist()]
+        counted = [one for one in used if not observer.receptors or one.name in observer.receptors]
+        self.most_polarisation = max((one.polarisation_sensitivity for one in counted), default=1.0)
 
     def ommatidia(self, view: View, nearest_m: float) -> NDArray[np.intp]:
         """Whose responses count, at this distance and beyond."""

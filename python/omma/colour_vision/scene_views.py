@@ -67,7 +67,7 @@ class SceneSeen:
         pose = self._on_target.copy()
         pose[:3, 3] += distance_m * self._towards
         frames = np.broadcast_to(pose, (_REPEATS, 4, 4))
-        # Without the word of `render_receptors` that polarisation is left out: here it always is.
+        # Without the word of `render_receptors` on polarisation that is left out: `detect` has one.
         calls = [Call.of(one, frames, {}, first_pose=0) for one in self._renderers]
         without, with_it = (
             frames_of_receptors(one, None, None, False).responses.astype(np.float64) * self._each

@@ -32,8 +32,8 @@ def resampling_matrix(
     """The weights with which an eye's ommatidia make up what columns see; each row sums to 1.
 
     ``gaussian``: w ∝ Ω exp(-4 ln2 (θ/width)²), θ the angle between the column and the ommatidium,
-    cut off at twice the width; Ω, the ommatidium's share of the field, is the square of its mean
-    angle to its six nearest neighbours, so that where ommatidia are dense they do not count more.
+    cut off at twice the width; Ω, the ommatidium's share of the field, is the mean square of its
+    angles to its six nearest neighbours, so that where ommatidia are dense they do not count more.
     It widens what is seen: ommatidia of acceptance angle Δρ make columns of √(Δρ² + width²).
     ``nearest``: the ommatidium nearest to the column, alone.
 

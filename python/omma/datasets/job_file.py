@@ -212,6 +212,12 @@ def _check_together(
     truths = [one for one in TRUTHS if one in outputs]
     if truths and isinstance(settings.sampling, Shared):
         raise Error(f"{file}, rendering.shared: expected samples where {truths[0]} is an output")
+    polarized = [one.name for one in conditions if one.world_options.get("polarized")]
+    if polarized and isinstance(settings.sampling, Shared):
+        raise Error(
+            f"{file}, rendering.shared: expected samples where a condition is polarized, as "
+            f"{polarized[0]!r} is: rays that ommatidia share have no one axis for it"
+        )
     lit = [one.name for one in conditions if one.sky]
     unlit = [one.name for one in conditions if not one.sky]
     if lit and unlit:

@@ -75,14 +75,6 @@ def nearest(points: Floats, metric: Floats, count: int) -> Ints:
     stretch = size.max(axis=1) / size.min(axis=1)
     found = np.empty((len(points), count), dtype=np.int64)
     tree = cKDTree(points)
-    if stretch.max() < 1.5:
-        near = tree.query(points, min(len(points), 1 + math.ceil(1.3 * count * 1.5)))[1]
-        near = near.reshape(len(points), -1)
-        apart = points[:, None, :] - points.take(near, axis=0)
-        length = Pairs(near).distance_squared(apart, metric)
-        length[near == np.arange(len(points))[:, None]] = np.inf
-        chosen = np.argpartition(length, count - 1, axis=1)[:, :count]
-        return np.take_along_axis(near, chosen, axis=1)
     for low, high in ((1.0, 1.5), (1.5, 3.0), (3.0, 6.0), (6.0, np.inf)):
         group = np.flatnonzero((stretch >= low) & (stretch < high))
         looked = min(len(points), 1 + math.ceil(1.3 * count * min(high, 12.0)))

@@ -121,7 +121,8 @@ def neural_superposition_wiring(
     Each receptor goes to the ommatidium of its eye whose axis is nearest to where it looks, if that
     is within ``reach`` of the local interommatidial angle there. So six are pooled inside a fly's
     eye, fewer at its border, and seven or eight along the equator, where the pattern is mirrored
-    (Kirschfeld, Exp Brain Res 3:248, 1967; there with R7/8 as 7, and 8 to 9).
+    (Kirschfeld, Exp Brain Res 3:248, 1967; there with R7/8 as 7, and 8 to 9). Where the lattice has
+    faults there may be more.
 
     Args:
         receptors: names of the types that are pooled; None: all that look beside the axis.
@@ -238,7 +239,9 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
     `render_receptors` gives is pooled by `receptor_wiring`.
 
     Args:
-        aperture_diameter_m: of the disc across the axis; None: the eye's own.
+        aperture_diameter_m: of the disc across the axis; None: the eye's own. Told here alone it is
+            unknown to `omma.receptors.photon_catch`, which then counts photons of one facet: give
+            it to the eye, ``eye.replace(aperture_diameter_m=...)``.
 
     Raises:
         omma.Error: an ommatidium without an aperture, or with no facet in it.

@@ -20,6 +20,8 @@ from omma.scene.world_moves import indices_of
 Responses = NDArray[np.float32]
 
 _MOST_FRAMES = 4096
+# Of a moment, where the loop asks for them.
+_DISTANCES = ("nearest_m", "distance_m")
 
 
 @value_class
@@ -35,8 +37,8 @@ class Moment:
     responses: (N, B), the frame that is seen now.
     step: how many steps have been taken since the start.
     nearest_m, distance_m: (N,), least and mean distance of what each ommatidium sees, infinite
-        where it sees nothing, as of `Renderer.ground_truth`; None where the loop does not ask for
-        ``distances``.
+        where it sees nothing, as of `Renderer.ground_truth`. An omma.Error says so where the loop
+        does not ask for them (``distances=True``).
     """
 
     state: Any
@@ -47,6 +49,12 @@ class Moment:
     step: Any
     nearest_m: Responses | None = None
     distance_m: Responses | None = None
+
+    def __getattribute__(self, name: str) -> Any:
+        value = super().__getattribute__(name)
+        if value is None and name in _DISTANCES:
+            raise Error(f"{name}: expected a loop with distances=True, found one without")
+        return value
 
 
 @value_class
@@ -65,7 +73,8 @@ class Loop:
             `numpy.random.Generator`, pose is ``world_from_head`` (4, 4), m.
         motion: motion(state, action, rng) -> (state, pose), what an action does.
         reward: reward(moment) -> float, what came of it, by a `Moment`.
-        action_space: a `gymnasium.spaces.Space`.
+        action_space: a `gymnasium.spaces.Space`. Actions beyond it reach ``motion`` as they are;
+            Gymnasium's wrapper `ClipAction` clips them.
         ended: ended(moment) -> bool, whether the episode has come to its end, as by a collision;
             None: it never does.
         most_steps: after so many steps an episode is cut off; None: never.

@@ -180,7 +180,11 @@ def clear_sky_at(
             range, a sun that the tables do not have, or PyEphem is not installed.
     """
     sun = sun_position(date_time, latitude_deg, longitude_deg)
-    check_not_night(sun.elevation_deg, "natural_sky_at")
+    if sun.elevation_deg < LOWEST_SUN_DEG:
+        raise Error(
+            f"date_time: expected one when the sun stands at {LOWEST_SUN_DEG:g} degrees or higher, "
+            f"found {sun.elevation_deg:.1f} degrees; natural_sky_at goes on into the night"
+        )
     return clear_sky(
         sun.elevation_deg,
         sun_azimuth_deg=sun.azimuth_deg,

@@ -51,7 +51,7 @@ def grating_response(
         tau_s: time constant of the delay.
         high_pass_tau_s: that of the high-pass before both arms; None: there is none.
         acceptance_angle_rad: full width at half maximum of a Gaussian ommatidium.
-        mean: the grating's mean light.
+        mean: the grating's mean light, above 0.
         frame_rate_hz: None: of continuous responses. Else of responses sampled so often, as
             `DetectorArray` filters them: straight lines in between.
 
@@ -72,11 +72,16 @@ def grating_response(
     beyond = contrasts[~((contrasts >= 0) & (contrasts <= 1))]
     if len(beyond):
         raise Error(f"contrast: expected 0 to 1 (not per cent), found {beyond[0]:g}")
+    for name, given in (("frequency_hz", frequencies), ("separation_rad", separations)):
+        if np.isnan(given).any():
+            raise Error(f"{name}: expected numbers, found nan")
     if not np.all(wavelengths > 0):
         raise Error(f"wavelength_rad: expected numbers above 0, found {np.min(wavelengths):g}")
     tau = positive(tau_s, "tau_s")
     width = within(acceptance_angle_rad, "acceptance_angle_rad", 0, math.tau)
-    light = within(mean, "mean", -1e150, 1e150)
+    light = within(mean, "mean", 0, 1e150)
+    if light == 0:
+        raise Error("mean: expected a number above 0, to which the contrast is relative, found 0")
     with np.errstate(over="ignore", invalid="ignore"):
         omega = math.tau * frequencies
         if frame_rate_hz is None:

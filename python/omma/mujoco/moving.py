@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arguments import checked
+from omma.base.warn import warn_caller
 from omma.mujoco.models import checked_data, names_of, shape_names, skin_names, transforms
 from omma.mujoco.skins import skin_vertices
 from omma.scene.world import World
@@ -27,6 +28,7 @@ class _Things:
         moves: (K,), whether it can move, or has been somewhere else.
         world_from_geom: (K, 4, 4), where what does not move is.
         skins: of each skin its index in the model and that of its mesh in the scene.
+        sizes: (K, 3), of the geoms as they are in the world.
     """
 
     model: Any
@@ -35,6 +37,7 @@ class _Things:
     moves: NDArray[np.bool_]
     world_from_geom: NDArray[np.float64]
     skins: list[tuple[int, int]]
+    sizes: NDArray[np.float64]
 
 
 _known: weakref.WeakKeyDictionary[World, _Things] = weakref.WeakKeyDictionary()
@@ -56,12 +59,16 @@ def update(world: World, data: Any) -> None:
     Raises:
         omma.Error: data of a model that the world was not made of, or without finite positions; or
             what `World.set_transforms` raises.
+
+    Warns:
+        UserWarning: sizes of geoms that have changed in the model: shapes stay as they were.
     """
     checked_data(data)
     things = _known.get(world)
     if things is None or things.model is not data.model:
         things = _found(world, data.model)
         _known[world] = things
+    _tell_sizes(things, data.model)
     now = transforms(data.geom_xpos[things.geoms], data.geom_xmat[things.geoms])
     things.moves |= np.abs(now - things.world_from_geom).max(axis=(1, 2)) > 0
     if things.moves.any():
@@ -69,6 +76,21 @@ def update(world: World, data: Any) -> None:
     for skin, mesh in things.skins:
         positions, normals = skin_vertices(data, skin)
         world.set_vertices(mesh, positions, normals)
+
+
+def _tell_sizes(things: _Things, model: Any) -> None:
+    """Warns of sizes that are not those of the last look; each change once."""
+    sizes = np.asarray(model.geom_size)[things.geoms]
+    changed = np.flatnonzero((sizes != things.sizes).any(axis=1))
+    if not len(changed):
+        return
+    things.sizes = sizes
+    name = names_of(model, "geom", model.ngeom)[things.geoms[changed[0]]]
+    warn_caller(
+        f"update: the size of geom {name!r} has changed in the model, which the world does not "
+        "follow; omma.mujoco.world_from_model makes another with it",
+        UserWarning,
+    )
 
 
 def _found(world: World, model: Any) -> _Things:
@@ -116,6 +138,7 @@ def _found(world: World, model: Any) -> _Things:
         _can_move(model)[kept],
         np.array([instances[index].world_from_node for index in found]).reshape(-1, 4, 4),
         skins,
+        np.asarray(model.geom_size)[kept],
     )
 
 

@@ -69,8 +69,8 @@ def dataset(
         instances, transforms, times_s, animation: as of `render`.
 
     Raises:
-        omma.Error: what `render` and `render_receptors` raise; ``truth`` of other poses or of
-            another eye; no xarray (``omma[data]``).
+        omma.Error: what `render` and `render_receptors` raise; ``truth`` of other poses, of
+            another eye or of another world; no xarray (``omma[data]``).
     """
     load_xarray()
     if ultraviolet is not None and not receptors:
@@ -92,7 +92,7 @@ def dataset(
         raise Error("truth: not together with receptors or standard_error")
     matrices = poses_of(self, poses)
     times = _times(when, matrices)
-    check_truth(truth, matrices, self.eye, self.bands)
+    check_truth(truth, matrices, self)
     frames = Frames(truth.responses, truth.standard_error, truth.rays)
     moving: MovesOptions = {
         "instances": moves.get("instances"), "transforms": moves.get("transforms")

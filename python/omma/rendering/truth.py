@@ -3,6 +3,7 @@ method of `omma.Renderer`."""
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -194,7 +195,10 @@ def ground_truth(
             distance_m=found["distance_m"],
             progress=share_of(progress, _RENDERED, 1),
         )
-    return GroundTruth(**found, names=names, world_from_head=call.poses.copy(), eye=self.eye)
+    truth = GroundTruth(**found, names=names, world_from_head=call.poses.copy(), eye=self.eye)
+    # No field: it is no value, and is not kept alive.
+    object.__setattr__(truth, "_world", weakref.ref(self.world))
+    return truth
 
 
 def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variables:
@@ -249,10 +253,12 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
     return found
 
 
-def check_truth(truth: GroundTruth, poses: Matrices, eye: Eye, bands: int) -> None:
-    """omma.Error where ground truth is of other poses, another eye or another number of bands; what
-    was made without its poses or its eye is known by its shape alone."""
-    size = (len(poses), len(eye), bands)
+def check_truth(truth: GroundTruth, poses: Matrices, renderer: Prepared) -> None:
+    """omma.Error where ground truth is of other poses, another eye, another world or another number
+    of bands; what was made without its poses or its eye is known by its shape alone, and so is the
+    world of what was pickled or outlives it."""
+    eye = renderer.eye
+    size = (len(poses), len(eye), renderer.bands)
     if truth.responses.shape != size:
         raise Error(
             f"truth: expected that of {size[0]} poses, {size[1]} ommatidia and {size[2]} bands, "
@@ -271,6 +277,14 @@ def check_truth(truth: GroundTruth, poses: Matrices, eye: Eye, bands: int) -> No
             "truth: expected that of this renderer's eye, found that of another eye with as many "
             "ommatidia"
         )
+    other_world = vars(truth).get("_world", lambda: None)()
+    if other_world is not None and other_world is not renderer.world:
+        for what in ("scene", "background", "light"):
+            if getattr(other_world, what) != getattr(renderer.world, what):
+                raise Error(
+                    "truth: expected that of this renderer's world, found that of a world with "
+                    f"another {what}"
+                )
 
 
 def _at(pose: NDArray[np.float64]) -> str:

@@ -24,6 +24,11 @@ def check_fields(stimulus: Any, **own: Check) -> None:
         check, value = own.get(name) or _SHARED[name], getattr(stimulus, name)
         checked = within(value, name, *check) if isinstance(check, tuple) else check(value, name)
         object.__setattr__(stimulus, name, checked)
+    if getattr(stimulus, "mean", 1.0) == 0 and stimulus.contrast > 0:
+        raise Error(
+            "mean: expected a radiance above 0, to which the contrast is relative, found 0 "
+            f"(contrast {stimulus.contrast:g})"
+        )
 
 
 def radiance_of(value: float, name: str) -> float:

@@ -40,7 +40,7 @@ class DrumGrating(Stimulus):
         temporal_frequency_hz: f, periods a second past any azimuth; the drum turns by f λ a second.
         waveform: "sine", or "square", bright over half of each period.
         contrast: (most - least) / (most + least), Michelson's, 0 to 1.
-        mean: radiance.
+        mean: radiance; 0 only without a contrast.
         direction: where it drifts as seen ahead, "right" or "left".
         phase_deg: of the wave ahead at time 0, where 0 is a sine's zero on its way up to the right.
         radius_m, height_m: of the drum. It covers elevations up to atan(height / 2 radius).

@@ -37,7 +37,7 @@ class NoisePanorama(Turning):
     Args:
         slope: 0 is white noise.
         contrast: standard deviation over mean, 0 to 0.4.
-        mean: radiance.
+        mean: radiance; 0 only without a contrast.
         pixel_deg: size of the picture's pixels at the horizon, 180 over a whole number.
         speed_deg_s: of its drift about the poles across its direction.
         direction_deg: where it drifts as seen ahead: 0 is to the right, 90 upwards.
