@@ -31,6 +31,8 @@ InputArray<T> to_array(nb::handle object, const char* name, const char* dtype,
   try {
     const nb::module_ numpy = nb::module_::import_("numpy");
     array = numpy.attr("asarray")(object, nb::arg("order") = "C");
+    if (nb::cast<std::string>(array.attr("dtype").attr("kind")) == "b")
+      throw Error(expected + ", found " + str_of(array.attr("dtype")) + " values");
     if (!nb::cast<bool>(numpy.attr("can_cast")(array.attr("dtype"), dtype, "same_kind")))
       throw Error(expected + ", found " + str_of(array.attr("dtype")) +
                   " values that do not convert to " + dtype);
@@ -68,6 +70,11 @@ InputArray<double> double_array(nb::handle object, const char* name,
 InputArray<std::int32_t> int_array(nb::handle object, const char* name,
                                    std::initializer_list<std::int64_t> shape) {
   return to_array<std::int32_t>(object, name, "int32", shape);
+}
+
+bool is_truth(nb::handle object) {
+  return PyBool_Check(object.ptr()) || type_name_of(object) == "bool_" ||
+         type_name_of(object) == "bool";
 }
 
 Vec3d vec3d(nb::handle object, const char* name) {

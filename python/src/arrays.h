@@ -49,6 +49,7 @@ nb::object take(std::vector<T> values, std::initializer_list<std::size_t> shape)
 }
 
 std::string str_of(nb::handle object);        // str(object)
+bool is_truth(nb::handle object);             // True, False, or NumPy's
 std::string type_name_of(nb::handle object);  // of the object's type
 
 // os.fsencode(path), the bytes of a name, which need not be UTF-8; a TypeError where that is not a

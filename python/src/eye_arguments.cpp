@@ -34,6 +34,8 @@ constexpr const char* known_names[] = {"position_m",
 
 // A number for all ommatidia, or an array [ommatidium].
 std::vector<float> per_ommatidium(nb::handle values, const char* name, std::int64_t count) {
+  if (is_truth(values))
+    throw Error(std::string(name) + ": expected a number or numbers, found bool");
   if (nb::isinstance<nb::float_>(values) || nb::isinstance<nb::int_>(values))
     return std::vector<float>(static_cast<std::size_t>(count), nb::cast<float>(values));
   const auto array = float_array(values, name, {count});

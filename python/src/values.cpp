@@ -53,7 +53,7 @@ std::vector<Vector> packed(nb::handle object, const char* name) {
 }  // namespace
 
 int whole_argument(nb::handle object, const char* name, int low) {
-  if (!PyIndex_Check(object.ptr())) wrong_type(name, "a whole number", object);
+  if (is_truth(object) || !PyIndex_Check(object.ptr())) wrong_type(name, "a whole number", object);
   const nb::object number = nb::steal(PyNumber_Index(object.ptr()));
   if (!number.is_valid()) nb::raise_python_error();
   int overflow = 0;
@@ -69,7 +69,7 @@ int handle_argument(nb::handle object, const char* name) {
 }
 
 double number_argument(nb::handle object, const char* name) {
-  if (PyUnicode_Check(object.ptr()) || !nb::hasattr(object, "__float__"))
+  if (is_truth(object) || PyUnicode_Check(object.ptr()) || !nb::hasattr(object, "__float__"))
     wrong_type(name, "a number", object);
   const double value = PyFloat_AsDouble(object.ptr());
   if (PyErr_Occurred()) {
@@ -81,9 +81,7 @@ double number_argument(nb::handle object, const char* name) {
 }
 
 bool flag_argument(nb::handle object, const char* name) {
-  if (!PyBool_Check(object.ptr()) && type_name_of(object) != "bool_" &&
-      type_name_of(object) != "bool")
-    wrong_type(name, "True or False", object);
+  if (!is_truth(object)) wrong_type(name, "True or False", object);
   return PyObject_IsTrue(object.ptr()) == 1;
 }
 

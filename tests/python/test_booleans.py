@@ -21,6 +21,10 @@ EYE = omma.eye.generate_eye(20)
         ("count", lambda: omma.eye.generate_eye(True)),
         ("samples", lambda: omma.Fixed(True)),
         ("count", lambda: omma.light.Bands.equal(np.True_)),
+        ("color", lambda: omma.Background.constant([True] * 3)),
+        ("acceptance_angle_rad", lambda: omma.Eye([(0, 0, 0)], [(0, 0, -1)], True)),
+        ("acceptance_angle_rad", lambda: EYE.replace(acceptance_angle_rad=True)),
+        ("axis", lambda: EYE.replace(axis=np.ones((20, 3), bool))),
         ("yaw_pitch_roll_deg", lambda: omma.poses_from_angles((0, 0, 0), True)),
     ],
 )
