@@ -9,6 +9,7 @@ import numpy as np
 
 EARTH_M = 6.371e6
 TOP_M = 1e5
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 def air_share(altitude_m):
@@ -134,9 +135,10 @@ class RoundSky:
 
     def _depth(self, table, start, end):
         """Optical depth along straight lines, Gauss-Legendre."""
-        x, w = np.polynomial.legendre.leggauss(24)
         line = end - start
-        sums = sum(wi * self._at(table, start + 0.5 * (xi + 1) * line) for xi, wi in zip(x, w))
+        sums = sum(
+            w * self._at(table, start + 0.5 * (x + 1) * line) for x, w in zip(NODES, WEIGHTS)
+        )
         return 0.5 * sums * np.linalg.norm(line, axis=1)
 
     def _to_sun(self, at, sun):
@@ -149,6 +151,8 @@ class RoundSky:
         # In two parts, at the place nearest to the earth, where the air is densest.
         middle = np.clip(-far, 0, length)
         for low, high in ((np.zeros_like(far), middle), (middle, length)):
+            if not (high > low).any():
+                continue  # before that place: none of it, where the sun is up
             for part in range(4):  # towards the dense end, shorter and shorter
                 a, b = (part / 4) ** 2, ((part + 1) / 4) ** 2
                 if low is middle:

@@ -36,11 +36,10 @@ def strip(length_m, height_m, material):
     return Mesh(corners, [[0, 1, 2], [0, 2, 3]], material=material)
 
 
-def world_of(folder, scene=None, light=SKY, progress=None, **settings):
+def world_of(folder, scene=None, light=SKY, progress=None, threads=0, **settings):
     bake = Bake(**{"cell_m": 0.5, "paths": 16, "cache": folder, **settings})
-    return omma.World(
-        scene or sheets(), light=light, lighting="baked", bake=bake, progress=progress
-    )
+    how = {"lighting": "baked", "bake": bake, "progress": progress, "threads": threads}
+    return omma.World(scene or sheets(), light=light, **how)
 
 
 def seen_by(world):
@@ -182,7 +181,8 @@ class Stop:
             raise self.kind
 
 
-MANY = {"paths": 512, "cell_m": 0.02}  # long enough to be ended in its middle
+# Long enough to be ended in its middle, on any number of cores.
+MANY = {"paths": 512, "cell_m": 0.04, "threads": 1}
 
 
 @pytest.fixture(scope="module")

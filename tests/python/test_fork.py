@@ -15,7 +15,7 @@ scene = omma.load_scene(sys.argv[1])
 poses = np.repeat(np.eye(4)[None], 3, axis=0)
 poses[:, 1, 3] = 1, 2, 3
 renderer = omma.Renderer(scene, eye)
-sharing = omma.Renderer(scene, eye, omma.Shared())
+sharing = omma.Renderer(scene, eye, omma.Shared(8))
 expected = renderer.render(poses, standard_error=True)
 over = threading.Event()
 def work(call):
@@ -93,7 +93,7 @@ CHILDREN = {
 }
 MADE = """
 single = omma.Renderer(scene, eye, threads=1)
-shared = omma.Renderer(scene, eye, omma.Shared()).render(poses, standard_error=True)
+shared = omma.Renderer(scene, eye, omma.Shared(8)).render(poses, standard_error=True)
 picture = omma.render_camera(renderer, "plain", width=80)
 measured = [eye.interommatidial_angle_rad(), omma.picture.projection_ids(eye, width=300)]
 oval = eye.replace(acceptance=omma.Acceptance.gaussian(0.2, 0.1))

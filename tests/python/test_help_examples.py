@@ -32,7 +32,7 @@ NOT_RUN = {
 
 
 def examples():
-    """All commands in backquotes in the help, each on one line."""
+    """All commands in backquotes in the help, each on one line and once."""
 
     def of(command):
         command = command.load() if isinstance(command, main.Later) else command
@@ -40,7 +40,8 @@ def examples():
         for below in getattr(command, "commands", {}).values():
             yield from of(below)
 
-    return [" ".join(text.split()) for text in of(typer.main.get_command(main.app))]
+    found = [" ".join(text.split()) for text in of(typer.main.get_command(main.app))]
+    return list(dict.fromkeys(found))
 
 
 @pytest.fixture(scope="module")

@@ -138,11 +138,11 @@ def test_the_reported_error_holds_against_eighty_bands(source):
 
     def responses(count):
         """(reflectances, receptors)."""
-        found = []
+        found, lit = [], light(count)
         for row in reflectances:
             ground = omma.scene.Material(reflectance=omma.light.Spectrum(nm, row), specular=0)
             plane = omma.scene.plane((40, 40)).replace(materials=[ground])
-            world = omma.World(plane, light=light(count), lighting="path", depth=1)
+            world = omma.World(plane, light=lit, lighting="path", depth=1)
             renderer = omma.Renderer(world, eye, omma.Fixed(32))
             found.append(renderer.render_receptors(np.eye(4))[0])
         return np.array(found)

@@ -1,8 +1,6 @@
 """What `omma render` and `omma info` are asked for: meshes in their unit, a camera's own eye along
 a path, writing beside rendering."""
 
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -14,13 +12,12 @@ from omma.job.pieces import render_pieces
 from omma.picture.files import on_threads
 from omma.rendering.response_files import Piece
 
-OMMA = [sys.executable, "-m", "omma"]
 
-
-def command(*words, folder):
-    return subprocess.run(
-        [*OMMA, *map(str, words)], capture_output=True, text=True, check=False, cwd=folder
-    )
+@pytest.fixture
+def command(tmp_path, monkeypatch, run_omma):
+    """`omma` with arguments, in the folder of the test: exit code, stdout, stderr."""
+    monkeypatch.chdir(tmp_path)
+    return run_omma
 
 
 @pytest.fixture
@@ -39,37 +36,37 @@ def scan(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["scan.stl", "scan.obj", "scan.ply"])
-def test_a_scan_is_a_scene_in_its_unit(scan, name):
-    told = command("info", name, folder=scan)
-    assert told.returncode == 0, told.stderr
-    assert "bounds           (0, 0, 0) to (1, 2, 3) m" in told.stdout
-    told = command("info", name, "--unit", "mm", "--up", "z", folder=scan)
-    assert "bounds           (0, 0, -0.002) to (0.001, 0.003, 0) m" in told.stdout
-    wrong = command("info", "e.csv", "--up", "z", folder=scan)
-    assert wrong.returncode == 1
-    assert "up: expected none" in wrong.stderr
+def test_a_scan_is_a_scene_in_its_unit(scan, name, command):
+    code, told, err = command("info", name)
+    assert code == 0, err
+    assert "bounds           (0, 0, 0) to (1, 2, 3) m" in told
+    _, told, _ = command("info", name, "--unit", "mm", "--up", "z")
+    assert "bounds           (0, 0, -0.002) to (0.001, 0.003, 0) m" in told
+    code, _, err = command("info", "e.csv", "--up", "z")
+    assert code == 1
+    assert "up: expected none" in err
 
 
-def test_a_scan_is_rendered_in_its_unit_and_again(scan):
+def test_a_scan_is_rendered_in_its_unit_and_again(scan, command):
     words = ("render", "scan.stl", "--eye", "e.csv", "--position", 0.0003, 0.0005, 0.01)
-    done = command(*words, "-o", "m.npy", folder=scan)
-    assert done.returncode == 0, done.stderr
+    code, _, err = command(*words, "-o", "m.npy")
+    assert code == 0, err
     of_mm = ("--scene-unit", "mm", "--scene-up", "z", "-o", "mm.npy")
-    assert command(*words, *of_mm, folder=scan).returncode == 0
+    assert command(*words, *of_mm)[0] == 0
     in_metres, in_mm = np.load(scan / "m.npy"), np.load(scan / "mm.npy")
     scene = omma.load_scene(scan / "scan.stl", unit="mm", up="z")
     renderer = omma.Renderer(scene, omma.load_eye(scan / "e.csv"))
     pose = omma.poses_from_angles((0.0003, 0.0005, 0.01), (0, 0, 0))
     assert in_mm.tobytes() == renderer.render(pose).tobytes()
     assert (in_metres != in_mm).any()
-    assert command("render-again", "mm.npy", "-o", "like.npy", folder=scan).returncode == 0
+    assert command("render-again", "mm.npy", "-o", "like.npy")[0] == 0
     assert np.load(scan / "like.npy").tobytes() == in_mm.tobytes()
-    wrong = command("render", "scan.stl", "--scene-up", "x", *words[2:], "-o", "x.npy", folder=scan)
-    assert "expected one of y, z" in wrong.stderr
+    wrong = command("render", "scan.stl", "--scene-up", "x", *words[2:], "-o", "x.npy")
+    assert "expected one of y, z" in wrong[2]
 
 
 @pytest.mark.parametrize("scale", [1.0, 3.0])
-def test_a_cameras_own_eye_flies_along_a_path(tmp_path, scale):
+def test_a_cameras_own_eye_flies_along_a_path(tmp_path, command, scale):
     grown = omma.eye.generate_eye(30, radius_m=0.05)
     omma.save_eye(tmp_path / "bug.eye", grown, unit="m")
     extras = {"compound-eye": "true", "compound-structure": "bug.eye"}
@@ -82,11 +79,10 @@ def test_a_cameras_own_eye_flies_along_a_path(tmp_path, scale):
     (tmp_path / "path.csv").write_text(
         "x,y,z,yaw_deg,pitch_deg,roll_deg\n0,1,0,0,0,0\n1,0.5,2,90,-20,0\n"
     )
-    done = command(
-        *("render", "scene.gltf", "--camera", "bug", "--path", "path.csv", "-o", "out.npy"),
-        folder=tmp_path,
+    code, _, err = command(
+        "render", "scene.gltf", "--camera", "bug", "--path", "path.csv", "-o", "out.npy"
     )
-    assert done.returncode == 0, done.stderr
+    assert code == 0, err
     found = np.load(tmp_path / "out.npy")
     # By hand: the eye as large as the camera makes it.
     scene = omma.load_scene(tmp_path / "scene.gltf")
@@ -169,12 +165,12 @@ def test_pictures_come_in_order_from_several_threads():
     assert list(on_threads(make, 0)) == []
 
 
-def test_the_parts_of_the_time_are_named(tmp_path):
+def test_the_parts_of_the_time_are_named(tmp_path, command):
     write_gltf(tmp_path / "scene.gltf")
     omma.save_eye(tmp_path / "e.csv", omma.eye.generate_eye(12))
     words = ("render", "scene.gltf", "--eye", "e.csv", "--position", 0, 1, 0, "-o", "o.png")
-    done = command(*words, folder=tmp_path)
-    (line,) = [line for line in done.stdout.splitlines() if line.startswith("time")]
+    _, told, _ = command(*words)
+    (line,) = [line for line in told.splitlines() if line.startswith("time")]
     assert " s of rendering, " in line
     assert " s more of writing, after " in line
     report = omma.render_file(
