@@ -97,6 +97,24 @@ def test_pairs_do_not_interpenetrate_or_say_so(omma_eye):
     assert "interpenetrate" in omma_eye("mirror", "one.csv", "--pair", "-o", "two.csv")[2]
 
 
+def test_pairs_of_left_eyes(omma_eye):
+    left = ["--radius-mm", 0.5, "--fov=-160,-15,-80,80"]
+    assert omma_eye("make", 60, *left, "--centre-mm", -1, 0, 0, "-o", "left.csv")[0] == 0
+    code, _, err = omma_eye("mirror", "left.csv", "--pair", "-o", "pair.csv")
+    assert (code, err) == (0, "")
+    given, head = omma.load_eye("left.csv"), omma.load_eye("pair.csv")
+    assert (head.select(0).position_m == given.position_m).all()
+    assert head.select(0).position_m[:, 0].max() < 0 < head.select(1).position_m[:, 0].min()
+    # Made without a place: moved to its own side.
+    code, _, err = omma_eye("make", 60, *left, "--pair", "-o", "made.csv")
+    assert (code, err) == (0, "")
+    made = omma.load_eye("made.csv").select(0)
+    assert made.position_m[:, 0].max() < 0 > made.axis[:, 0].mean()
+    omma_eye("make", 60, *left, "--centre-mm", 0.1, 0, 0, "-o", "near.csv")
+    err = omma_eye("mirror", "near.csv", "--pair", "-o", "pair.csv")[2]
+    assert "of the left one sit right of the midline" in err
+
+
 @pytest.mark.parametrize(
     ("options", "kernel"), [(["--airy"], "airy"), (["--rhabdom-um", 2, "--f-number", 2], "lens")]
 )

@@ -137,6 +137,34 @@ def test_a_pair_is_left_then_right():
     assert head.select(0).position_m[:, 0].max() < 0
 
 
+@pytest.mark.parametrize("where", ["on a head", "in its own frame", "at a point"])
+def test_a_left_eye_is_the_left_one_of_its_pair(where):
+    window = omma.eye.window((-160, -15), (-80, 80))
+    left = omma.eye.generate_eye(60, radius_m=1e-3)
+    left = left.take(np.flatnonzero(window(left.axis.astype(float))))
+    position = left.position_m - left.position_m.mean(axis=0)
+    place = {"on a head": position - [1e-3, 0, 0], "at a point": 0 * position}
+    left = left.replace(position_m=place.get(where, position))
+    head = omma.eye.pair_of_eyes(left)
+    assert head.eye_id.tolist() == [0] * len(left) + [1] * len(left)
+    assert head.select(0) == left.replace(eye_id=0)
+    assert head.select(1).replace(eye_id=0) == omma.eye.mirror_eye(left)
+    # The same head by its right eye.
+    right = omma.eye.mirror_eye(left)
+    again = omma.eye.pair_of_eyes(right)
+    assert again.select(1).replace(eye_id=0) == right
+    assert (again.position_m == head.position_m).all()
+    with pytest.warns(DeprecationWarning, match="right: is called eye now"):
+        assert omma.eye.pair_of_eyes(right=right) == again
+
+
+def test_an_eye_that_looks_across_the_head_is_told():
+    ahead = omma.Eye([[1e-3, 0, 0]], [[-0.6, 0, -0.8]], 0.1)
+    with pytest.warns(UserWarning, match="sits on the right and looks to the left"):
+        head = omma.eye.pair_of_eyes(ahead)
+    assert (head.select(1).position_m == ahead.position_m).all()
+
+
 def test_placed_as_a_pose_says():
     ahead = omma.Eye([[0, 0, -1e-3]], [[0, 0, -1]], 0.1, up=[[0, 1, 0]])
     right = omma.eye.place_on_head(ahead, (0, 2e-3, 0), yaw_deg=90)

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import struct
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -392,3 +393,35 @@ def test_scenes_of_trimesh_share_meshes_and_keep_names():
     assert scene.bounds.tolist() == [[0, 0, 0], [6, 2, 3]]
     with pytest.raises(omma.Error, match=r"mesh: expected a trimesh\.Trimesh"):
         from_trimesh("wedge.obj")
+
+
+@pytest.mark.parametrize("kind", ["vertex", "face"])
+def test_vertex_colours_that_trimesh_wrote_are_warned_of(tmp_path, kind):
+    """It writes bytes of sRGB where glTF says linear: 188 is 0.503 of a PLY, 0.737 of a GLB."""
+    box = trimesh.creation.box((10, 10, 10))
+    setattr(box.visual, f"{kind}_colors", np.array([188, 188, 188, 255], np.uint8))
+    for name in ("c.ply", "c.obj", "c.glb", "c.gltf"):
+        box.export(tmp_path / name)
+
+    def grey(scene):
+        return scene.meshes[0].colors[0, 0]
+
+    linear = 0.5029  # ((188 / 255 + 0.055) / 1.055)^2.4
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert grey(omma.load_scene(tmp_path / "c.ply")) == pytest.approx(linear, abs=1e-4)
+        ruled = omma.load_scene(tmp_path / "c.glb", color_rule="compoundray")
+    assert not [one for one in ruled.warnings if "trimesh" in one]
+    for name in ("c.glb", "c.gltf"):
+        with pytest.warns(UserWarning, match=r"vertex colours are taken as linear.*from_trimesh"):
+            scene = omma.load_scene(tmp_path / name, unit="mm", up="z")
+        assert grey(scene) == pytest.approx(188 / 255, abs=1e-6)
+        assert sum("trimesh" in one for one in scene.warnings) == 1
+        # What the warning says to do.
+        remedy = from_trimesh(trimesh.load(tmp_path / name))
+        assert grey(remedy) == pytest.approx(linear, abs=1e-4)
+
+
+def test_scenes_of_trimesh_without_colours_are_not_warned_of(tmp_path):
+    WEDGE.export(tmp_path / "plain.glb")
+    assert not [one for one in omma.load_scene(tmp_path / "plain.glb").warnings if "trimesh" in one]

@@ -68,7 +68,7 @@ def mirror(
     eye: EyeArgument,
     output: OutOption,
     pair: Annotated[
-        bool, switch("--pair", "Write both: the image as the left eye, then this one.")
+        bool, switch("--pair", "Write both, the left eye first: the one that it is, and its image.")
     ] = False,
     unit: UnitOption = "mm",
 ) -> None:

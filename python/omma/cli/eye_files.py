@@ -11,7 +11,7 @@ from omma._core import Eye
 from omma.base.files import check_ending
 from omma.cli.parameters import argument, option, out
 from omma.cli.working import check_outputs, say, warn
-from omma.eye.change import pair_of_eyes, place_on_head
+from omma.eye.change import is_left, pair_of_eyes, place_on_head
 from omma.eye.files import EYE_SUFFIXES, eye_file_losses, save_eye
 
 
@@ -48,23 +48,25 @@ def save(path: Path, eye: Eye, unit: str) -> None:
     )
 
 
-def head_of(right: Eye) -> Eye:
-    """The eye and its mirror image, with a warning where they interpenetrate, which is where the
-    right one reaches over the midline."""
-    over = int((right.position_m[:, 0] < 0).sum())
+def head_of(eye: Eye) -> Eye:
+    """The eye and its mirror image, with a warning where they interpenetrate, which is where one
+    reaches over the midline."""
+    side, other, sign = ("left", "right", -1) if is_left(eye) else ("right", "left", 1)
+    over = int((sign * eye.position_m[:, 0] < 0).sum())
     if over:
         warn(
-            f"--pair: the eyes interpenetrate: {over:,} of {len(right):,} ommatidia of the right "
-            "one sit left of the midline; omma eye place moves it before it is paired"
+            f"--pair: the eyes interpenetrate: {over:,} of {len(eye):,} ommatidia of the {side} "
+            f"one sit {other} of the midline; omma eye place moves it before it is paired"
         )
-    return pair_of_eyes(right)
+    return pair_of_eyes(eye)
 
 
-def clear_of_midline(right: Eye) -> Eye:
-    """The eye moved to the right until all of it is right of the midline, with a gap of a twentieth
+def clear_of_midline(eye: Eye) -> Eye:
+    """The eye moved to its side until all of it is beside the midline, with a gap of a twentieth
     of its width; as it is where that holds or all its ommatidia are at a point."""
-    x = right.position_m[:, 0].astype(np.float64)
+    sign = -1 if is_left(eye) else 1
+    x = sign * eye.position_m[:, 0].astype(np.float64)
     width = float(np.ptp(x))
     if width == 0 or x.min() >= 0:
-        return right
-    return place_on_head(right, (0.05 * width - float(x.min()), 0.0, 0.0))
+        return eye
+    return place_on_head(eye, (sign * (0.05 * width - float(x.min())), 0.0, 0.0))

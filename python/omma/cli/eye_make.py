@@ -142,8 +142,9 @@ def make(
         bool,
         switch(
             "--pair",
-            "Add the mirror image; what is made is the right eye, moved to the right of the "
-            "midline where no --centre-mm says where it is.",
+            "Add the mirror image; what is made is the right eye, or the left one where --fov or "
+            "--centre-mm put it there, moved beside the midline where no --centre-mm says where "
+            "it is.",
         ),
     ] = False,
     acceptance_ratio: Annotated[

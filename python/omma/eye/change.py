@@ -21,7 +21,13 @@ from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike, metres_per_unit, open_text
 from omma.base.poses import poses_from_angles
+from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
+
+# What counts as in the middle: of the mean x of an eye of size 1, and of the mean of unit axes. And
+# how far to the other side than it sits an eye looks that is hardly meant.
+_MIDDLE, _LOOKS_ACROSS = 0.1, 0.3
 
 
 @checked
@@ -110,16 +116,54 @@ def mirror_eye(eye: Eye) -> Eye:
     return merge_eyes([(eye, np.diag([-1.0, 1.0, 1.0, 1.0]))]).replace(eye_id=eye.eye_id)
 
 
+@renamed_arguments(right="eye")
 @checked
-def pair_of_eyes(right: Eye) -> Eye:
-    """A head with an eye and its mirror image: ``eye_id`` 0 is left, the image; 1 is right, the
-    eye given.
+def pair_of_eyes(eye: Eye) -> Eye:
+    """A head with an eye and its mirror image: ``eye_id`` 0 is left, 1 is right, and the left eye
+    comes first, whichever is given.
+
+    The eye given is a left one where its ommatidia sit left of the midline, x < 0, in the mean.
+    Where that is within a tenth of the eye's size, as of an eye in a frame of its own, its mean
+    axis says it; where that is within 0.1 of the midline too, as of one that looks all around, it
+    is taken for a right one.
 
     Example:
-        >>> len(omma.eye.pair_of_eyes(omma.eye.generate_eye(50)))
+        >>> head = omma.eye.pair_of_eyes(omma.eye.generate_eye(50))
+        >>> len(head)
         100
+
+    Warns:
+        UserWarning: the eye sits on one side and looks to the other.
     """
-    return merge_eyes([mirror_eye(right), right])
+    image = mirror_eye(eye)
+    left = is_left(eye)
+    sits, looks = _sides(eye)
+    if sits * looks < 0 and abs(looks) > _LOOKS_ACROSS:
+        side, other = ("left", "right") if left else ("right", "left")
+        warn_caller(
+            f"pair_of_eyes: the eye sits on the {side} and looks to the {other}; it is taken for "
+            f"the {side} one: place_on_head moves it",
+            UserWarning,
+        )
+    return merge_eyes([eye, image] if left else [image, eye])
+
+
+def is_left(eye: Eye) -> bool:
+    """Whether `pair_of_eyes` takes an eye for a left one."""
+    sits, looks = _sides(eye)
+    return sits < 0 or (sits == 0 and looks < 0)
+
+
+def _sides(eye: Eye) -> tuple[float, float]:
+    """Mean x of the ommatidia, over the eye's size, and of their axes; 0 in the middle."""
+    position = eye.position_m.astype(np.float64)
+    size = float(np.ptp(position, axis=0).max())
+    mean = float(position[:, 0].mean())
+    sits = mean if size == 0 else mean / size
+    looks = float(eye.axis[:, 0].mean(dtype=np.float64))
+    if size > 0 and abs(sits) < _MIDDLE:
+        sits = 0.0
+    return sits, looks if abs(looks) >= _MIDDLE else 0.0
 
 
 @checked

@@ -18,6 +18,7 @@ from omma.base.mesh_parts import world_from_file
 from omma.base.progress import Progress
 from omma.base.warn import warn_caller
 from omma.scene.gltf_spz import load_spz_gltf
+from omma.scene.gltf_text import colors_of_trimesh
 from omma.scene.joining import place_scene, warnings_of_file
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import is_point_file
@@ -147,6 +148,9 @@ def read_scene(
     packed = load_spz_gltf(name, index, color_rule, progress)
     scene = _core.load_scene(path, index, color_rule, progress) if packed is None else packed
     del packed
+    told = colors_of_trimesh(name) if color_rule == "gltf" else []
+    if told:
+        scene = _core.with_path(scene, scene.path, [*warnings_of_file(scene), *told])
     return scene if unit is None and up is None else _as_written(scene, matrix)
 
 

@@ -11,6 +11,8 @@ from typing import NamedTuple
 _GLTF = (".gltf", ".glb")
 # What files with Gaussian splats name, in whatever draft: the extension, or SPZ alone.
 _OF_SPLATS = ("KHR_gaussian_splatting", "KHR_spz_gaussian_splats_compression")
+# What trimesh calls itself as the generator (to its version 5.2 at least), and vertex colours.
+_TRIMESH, _COLORS = "mikedh/trimesh", "COLOR_0"
 
 
 class GltfPlaces(NamedTuple):
@@ -66,3 +68,16 @@ def gltf_names(path: str, names: Iterable[str]) -> bool:
 def names_splats(path: str) -> bool:
     """Whether a glTF file may hold Gaussian splats."""
     return gltf_names(path, _OF_SPLATS)
+
+
+def colors_of_trimesh(path: str) -> list[str]:
+    """What there is to warn of where trimesh wrote the vertex colours of a glTF file: it writes the
+    bytes that it has, sRGB in most files of meshes, where glTF 2.0 (3.7.2.1) says linear."""
+    if not (gltf_names(path, [_TRIMESH]) and gltf_names(path, [_COLORS])):
+        return []
+    return [
+        "its vertex colours are taken as linear, as glTF says, but trimesh, which wrote it, writes "
+        "the bytes that it has: where they are sRGB, as those of PLY and OBJ files, they are too "
+        "bright here; load the .ply or .obj instead, or "
+        "omma.scene.from_trimesh(trimesh.load(...)), which takes them as sRGB"
+    ]
