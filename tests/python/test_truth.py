@@ -1,6 +1,7 @@
 """Ground truth beside responses, as Python asks for it: against formulas that NumPy computes, on
 both backends, in unlit, lit and baked worlds."""
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -248,9 +249,9 @@ def test_lit_and_baked_worlds_have_the_same_truth(things):
             POSE, shares=["ball", "post"], head_velocity=HEAD, velocities={"ball": BALL}
         )
         numbers = {
-            name: values
-            for name, values in vars(truth).items()
-            if name not in ("responses", "standard_error")
+            one.name: getattr(truth, one.name)
+            for one in dataclasses.fields(truth)
+            if one.name not in ("responses", "standard_error")
         }
         if kept is None:
             kept = numbers
