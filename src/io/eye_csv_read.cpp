@@ -200,7 +200,7 @@ Vec3 axis(const Reader& reader, const CsvRecord& record) {
 }
 
 std::int32_t eye_id(const Reader& reader, const CsvRecord& record) {
-  const std::string& text = cell_text(reader, record, "eye_id");
+  const std::string text = cell_text(reader, record, "eye_id");
   if (text.empty()) return 0;
   std::int32_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
@@ -226,11 +226,11 @@ Acceptance kernel(const Reader& reader, const CsvRecord& record, const Eye& eye)
   for (const CsvKernelColumn& column : csv_kernel_columns)
     if (const auto value = number<double>(reader, record, column.name))
       acceptance.*column.field = *value;
-  const std::string& model = cell_text(reader, record, "kernel_model");
+  const std::string model = cell_text(reader, record, "kernel_model");
   if (!model.empty())
     acceptance.model =
         static_cast<RhabdomModel>(index_of_name(rhabdom_model_names, model, place("kernel_model")));
-  const std::string& table = cell_text(reader, record, "kernel_table");
+  const std::string table = cell_text(reader, record, "kernel_table");
   if (!table.empty()) {
     const auto found = reader.tables.find(table);
     if (found == reader.tables.end())

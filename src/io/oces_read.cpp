@@ -225,7 +225,8 @@ void place_eye(OcesFile& file, const Tree& tree, std::size_t node, const Mat4& h
                std::vector<PlacedEye>& placed, std::vector<json>& extras) {
   const GltfNode& where = tree.nodes[node];
   const OcesNode& oces = tree.oces[node];
-  const json& description = oces_element(file, "eyes", oces.eye_index, where.place + ": eye");
+  const std::string user = where.place + ": eye";
+  const json& description = oces_element(file, "eyes", oces.eye_index, user);
   std::string place =
       file.gltf.path + ": OCES_eyes.eyes[" + std::to_string(oces.eye_index.get<int>()) + "]";
   const std::string name = oces_text(description, "name", place);

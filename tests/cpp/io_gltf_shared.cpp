@@ -56,7 +56,7 @@ TEST(RealScene, CamerasOfTheMeadow) {
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
   const Scene scene = load_scene(file.string());
   // By the camera's own name, as CompoundRay calls it; its node is called ..._Orientation.
-  const Camera& camera = find_camera(scene, "insect-eye-spherical-projector");
+  const Camera camera = find_camera(scene, "insect-eye-spherical-projector");
   EXPECT_EQ(camera.name, "insect-eye-spherical-projector_Orientation");
   EXPECT_EQ(camera.compound_structure, "eyes/1000-horizontallyAcute-variableDegree.eye");
 }
