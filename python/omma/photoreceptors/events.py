@@ -25,7 +25,7 @@ from omma.base.arrays import Floats, Ints
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.optional import needs
 from omma.base.slips import warn_of_slip
-from omma.base.values import value_class
+from omma.base.values import in_full, value_class
 from omma.photoreceptors.adaptation import light_of
 
 if TYPE_CHECKING:
@@ -93,6 +93,8 @@ class EventSensor:
     refractory_s: float = 0.0
     signal: Literal["log", "linear"] = "log"
     dark: float = 0.0
+
+    __repr__ = in_full
 
     def __post_init__(self) -> None:
         for name in ("on_threshold", "off_threshold"):

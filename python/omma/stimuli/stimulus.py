@@ -12,6 +12,7 @@ from omma.base.arguments import Shape, array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
+from omma.base.values import in_full
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
 from omma.stimuli.gaussian import gaussian_means
@@ -46,6 +47,8 @@ class Stimulus:
     scene.
 
     """
+
+    __repr__ = in_full
 
     # Fields of each: what it is called, and the radiance where nothing of it is.
     name: str
