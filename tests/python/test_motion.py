@@ -105,7 +105,7 @@ def test_the_optimum_is_a_temporal_frequency_and_no_velocity(high_pass_tau_s):
 
 
 def test_the_best_frequency_is_the_top_of_the_closed_form():
-    for slow in (1e-4, 0.01, TAU_S, 1.0, 1e3):
+    for slow in (1e-4, 0.01, TAU_S, 1.0, 5.0):
         best = omma.motion.best_frequency_hz(TAU_S, slow)
         below, top, above = omma.motion.grating_response(
             1.0, 1.0, best * np.array([0.99, 1, 1.01]), 0.25, TAU_S, high_pass_tau_s=slow

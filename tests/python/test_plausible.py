@@ -88,6 +88,35 @@ TIMES = [
     (lambda: _detectors(0.035, 0.004), "frame_rate_hz", "0.004 s between frames would be 250 Hz"),
     (lambda: omma.stimuli.LoomingDisc(50), "l_over_v_s", "50 ms would be 0.05 s"),
     (lambda: omma.stimuli.LoomingDisc(0.05, 1000), "collision_s", "1000 ms would be 1 s"),
+    (lambda: omma.stimuli.LoomingDisc(0.05, 500), "collision_s", "500 ms would be 0.5 s"),
+    (lambda: omma.motion.best_frequency_hz(35), "tau_s", "35 ms would be 0.035 s"),
+    (
+        lambda: omma.motion.best_frequency_hz(0.035, 250),
+        "high_pass_tau_s",
+        "250 ms would be 0.25 s",
+    ),
+    (
+        lambda: omma.motion.grating_response(1, 0.4, 3, 0.1, 35),
+        "tau_s",
+        "35 ms would be 0.035 s",
+    ),
+    (
+        lambda: omma.motion.grating_response(1, 0.4, 3, 0.1, 0.035, high_pass_tau_s=250),
+        "high_pass_tau_s",
+        "250 ms would be 0.25 s",
+    ),
+    (
+        lambda: omma.photoreceptors.EventSensor(0.2, refractory_s=50),
+        "refractory_s",
+        "50 ms would be 0.05 s",
+    ),
+    (
+        lambda: omma.photoreceptors.photon_noise(
+            np.ones(3), 0, photons_per_s=100.0, integration_time_s=20
+        ),
+        "integration_time_s",
+        "20 ms would be 0.02 s",
+    ),
     (lambda: _with_an_impulse_response([0, 10, 20]), "times_s", "10 ms would be 0.01 s"),
     (
         lambda: omma.photoreceptors.filter_frames(np.ones(3), 0.01, H),
@@ -110,11 +139,41 @@ def test_times_and_rates_in_another_unit_are_warned_of(call, argument, guess):
     assert told[0].filename == __file__
 
 
+@pytest.mark.parametrize(
+    ("call", "argument", "guess"),
+    [
+        (
+            lambda: omma.photoreceptors.ImpulseResponse.exponential(20),
+            "time_constant_s",
+            "20 ms would be 0.02 s",
+        ),
+        (
+            lambda: omma.photoreceptors.microsaccades_rad(np.ones(3), 100.0, dark=1.0, rise_s=100),
+            "rise_s",
+            "100 ms would be 0.1 s",
+        ),
+        (
+            lambda: omma.photoreceptors.microsaccades_rad(
+                np.ones(3), 100.0, dark=1.0, return_s=500
+            ),
+            "return_s",
+            "500 ms would be 0.5 s",
+        ),
+    ],
+)
+def test_impulse_responses_in_milliseconds_are_refused(call, argument, guess):
+    words = f"^{argument}: expected seconds, at most 5, found .*; {guess}$"
+    with pytest.raises(omma.Error, match=words):
+        call()
+
+
 def test_times_and_rates_that_are_meant_are_not():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         _detectors(0.035, 250, 0.25)
         omma.stimuli.LoomingDisc(0.005, -3.0)
+        omma.motion.best_frequency_hz(0.035, 0.25)
+        omma.photoreceptors.EventSensor(0.2, refractory_s=0.05)
         _with_an_impulse_response([0, 0.01, 30])
         _with_an_impulse_response([0.0])
 

@@ -69,15 +69,12 @@ def test_an_arena_is_light_that_is_held():
     arena = LedArena(DrumGrating(30, 5), 0.2, refresh_hz=72)
     times = np.arange(0.0, 0.3, 0.01) + 0.003
     seen = arena.play(lasting(arena), times)[..., 1]
-    frames = np.arange(-1, 24)
-    shown = np.maximum(frames / 72, times[0])  # before the first time all stood still
+    shown = np.arange(-20, 24) / 72  # of what was before, h knows 0.18 s
     instants = omma.Renderer(arena.world(), eye_of(), omma.Fixed(4096), footprints=False)
     held = arena.play(instants, shown + 1e-5)[..., 1]
     since = np.clip(times[:, None] - np.append(shown[1:], np.inf), 0, None)
     since_start = np.clip(times[:, None] - shown, 0, None)
-    # The first is there since ever.
-    since_start[:, shown <= times[0]] = np.inf
-    weight = H.cumulative(np.minimum(since_start, 1e3)) - H.cumulative(since)
+    weight = H.cumulative(since_start) - H.cumulative(since)
     weight = weight / weight.sum(axis=1, keepdims=True)
     expected = weight @ held
     # Rays draw one of 32 times: a pixel is held for up to a tenth of what h weighs.
@@ -85,12 +82,71 @@ def test_an_arena_is_light_that_is_held():
     assert np.std(expected) > 0.15
 
 
+@pytest.mark.parametrize("frequency_hz", [2, 8, 20])
+def test_a_grating_drifted_before_the_first_frame(frequency_hz):
+    """Each of some single frames has the |H(f)| and the delay of a grating that has been drifting
+    since ever."""
+    grating = DrumGrating(30, frequency_hz)
+    renderer = lasting(grating, 2048)
+    times = 0.5 + np.arange(6) / 6 / frequency_hz
+    turn = np.exp(-2j * np.pi * frequency_hz * times)[:, None]
+    seen = np.stack([grating.play(renderer, [one])[0, :, 1] for one in times])
+    instants = grating.expected(AXES, np.radians(ACCEPTANCE_DEG), times)
+    kept = (seen * turn).mean(0) / (instants * turn).mean(0)
+    # As of many frames (above), of twice as many rays.
+    assert_allclose(kept, np.full(len(AXES), H.transfer(frequency_hz)), atol=0.02)
+
+
+THINGS = [
+    DrumGrating(30, 8),
+    DrumGrating(90, 60),  # 15 turns a second: by more than half a turn in what h sees
+    SphereGrating(20, -3, direction_deg=30),
+    PlaneGrating(0.6, 5),
+    Bar(speed_deg_s=150, azimuth_deg=-90, direction_deg=20),
+    LoomingDisc(0.05, 0.52, azimuth_deg=10),  # stands since 0.491 s
+    LoomingDisc(0.05, 0.56, azimuth_deg=10),
+    Target(20.0, [0, 0.43, 0.47, 1], [-80, 10, 0, -30], [0, 5, -5, 60]),
+    RandomDots(400, 20.0, speed_deg_s=150),
+    Starfield(60, radius_m=0.2, velocity_m_s=(3, 0, 2), seed=4),
+    NoisePanorama(speed_deg_s=150, pixel_deg=5),
+    LedArena(DrumGrating(30, 5), 0.2, refresh_hz=72),
+]
+
+
+@pytest.mark.parametrize("stimulus", THINGS, ids=lambda one: type(one).__name__)
+def test_a_frame_is_what_it_is_after_many(stimulus):
+    """Seen by one frame, by few and at the end of many: the same."""
+    renderer, last = lasting(stimulus, 256), 0.5
+    many = stimulus.play(renderer, np.linspace(last - 0.25, last, 51))[-1]
+    alone = stimulus.play(renderer, [last])[0]
+    few = stimulus.play(renderer, [last - 0.02, last])[-1]
+    assert np.std(many) > 0.02
+    # The same rays at the same 32 times. Between frames 5 ms apart a target goes on other chords,
+    # by which one ray of 256 may pass an edge.
+    assert_allclose(alone, many, atol=1 / 256)
+    assert_allclose(few, many, atol=1 / 256)
+
+
+def test_what_began_to_move_is_rendered_from_rest():
+    """A render of one's own stands still before its first time, as the page says."""
+    grating = DrumGrating(30, 8)
+    renderer = lasting(grating, 256)
+    seen = renderer.render(
+        np.eye(4),
+        times_s=[0.5],
+        instances=grating.names,
+        transforms=grating.transforms([0.5]),
+    )
+    instant = omma.Renderer(grating.world(), eye_of(), omma.Fixed(256), footprints=False)
+    assert_allclose(seen, grating.play(instant, [0.5]), atol=1e-6)
+
+
 def test_stars_come_in_again_without_a_way_between():
     stars = Starfield(60, radius_m=0.2, velocity_m_s=(3, 0, 2), seed=4)
     times = np.arange(0, 0.3, 0.02)
-    fine = np.arange(0, 0.2801, 0.001)
+    fine = np.arange(-200, 281) * 1e-3  # of what was before, h knows 0.18 s
     sharp = stars.play(omma.Renderer(stars.world(), eye_of(), omma.Fixed(1024)), fine)[..., 1]
-    filtered = filter_frames(sharp, 1000.0, H)[::20]
+    filtered = filter_frames(sharp, 1000.0, H)[200::20]
     seen = stars.play(lasting(stars), times)[..., 1]
     assert stars._jumps_s(0.0, 0.28).size > 10
     assert np.std(filtered) > 0.1

@@ -9,15 +9,21 @@ from __future__ import annotations
 
 import math
 
+from omma._core import Error
 from omma.base.warn import warn_caller
 
 # What: from, to, unit.
 _RANGES: dict[str, tuple[float, float, str]] = {
     # Delays of motion detectors are some tens of milliseconds, high-passes some hundreds.
     "time constant": (1e-4, 5.0, "s"),
+    # No photoreceptor is slower, or adds up light for longer.
+    "impulse response": (0.0, 5.0, "s"),
+    "integration time": (0.0, 5.0, "s"),
+    # Of sensors and of neurons, milliseconds.
+    "refractory time": (0.0, 1.0, "s"),
     # l/v of looming stimuli is some tens of milliseconds.
     "l/v": (1e-4, 10.0, "s"),
-    "time of collision": (-600.0, 600.0, "s"),
+    "time of collision": (-60.0, 60.0, "s"),
     "frames per second": (1.0, 1e6, "Hz"),
     # A frame that lasts sees nothing of what was there a second ago.
     "time between frames": (0.0, 1.0, "s"),
@@ -52,17 +58,32 @@ def warn_of_slip(what: str, value: float, name: str) -> None:
     """Tell the caller of the package of a value that lies outside of the range of what it is, and
     which one it would be in the unit that it seems to have."""
     low, high, unit = _RANGES[what]
-    if low <= value <= high:
-        return
-    meant = ""
+    if not low <= value <= high:
+        warn_caller(
+            f"{name}: {value:g} {unit} is unusual ({what}, {low:g} to {high:g} {unit})"
+            f"{_meant(what, value)}",
+            UserWarning,
+        )
+
+
+def refuse_slip(what: str, value: float, name: str) -> None:
+    """omma.Error where a time is longer than any of what it is, which says which one it would be in
+    milliseconds."""
+    _, high, _ = _RANGES[what]
+    if value > high:
+        raise Error(
+            f"{name}: expected seconds, at most {high:g}, found {value:g}{_meant(what, value)}"
+        )
+
+
+def _meant(what: str, value: float) -> str:
+    """What a number outside of the range would be in the unit that it seems to have."""
+    low, high, unit = _RANGES[what]
     if unit == "s" and low <= value * 1e-3 <= high:
-        meant = f"; {value:g} ms would be {value * 1e-3:g} s"
-    elif unit == "Hz" and value > 0 and low <= 1 / value <= high:
-        meant = f"; {value:g} s between frames would be {1 / value:g} Hz"
-    elif unit in _MEANT and low <= value * _MEANT[unit][0] <= high:
+        return f"; {value:g} ms would be {value * 1e-3:g} s"
+    if unit == "Hz" and value > 0 and low <= 1 / value <= high:
+        return f"; {value:g} s between frames would be {1 / value:g} Hz"
+    if unit in _MEANT and low <= value * _MEANT[unit][0] <= high:
         factor, other = _MEANT[unit]
-        meant = f"; {value:g}{other} would be {value * factor:.4g} {unit}"
-    warn_caller(
-        f"{name}: {value:g} {unit} is unusual ({what}, {low:g} to {high:g} {unit}){meant}",
-        UserWarning,
-    )
+        return f"; {value:g}{other} would be {value * factor:.4g} {unit}"
+    return ""

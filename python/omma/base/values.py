@@ -13,6 +13,8 @@ T = TypeVar("T")
 
 # Limits of a repr: characters in all, of one text and of anything else, and items of a sequence.
 _REPR, _TEXT, _THING, _ITEMS = 200, 40, 80, 3
+# Of arrays that a repr in full spells out.
+_NUMBERS = 16
 
 
 def value_class(cls: type[T]) -> type[T]:
@@ -20,7 +22,7 @@ def value_class(cls: type[T]) -> type[T]:
 
     Equal is what has the same type and the same fields, element by element; NaN equals NaN. What
     holds an array, a list or a dictionary has no hash. A pickle of a version with other fields is
-    refused. The repr is a line, unless the class has its own.
+    refused. The repr is a line, unless the class has its own or inherits one.
     """
     methods = {
         "__eq__": _equal,
@@ -30,9 +32,16 @@ def value_class(cls: type[T]) -> type[T]:
         "__repr__": _line,
     }
     for name, method in methods.items():
-        if name != "__repr__" or name not in vars(cls):
+        if name != "__repr__" or cls.__repr__ is object.__repr__:
             setattr(cls, name, method)
     return cls
+
+
+def in_full(self: Any) -> str:
+    """All fields of what is written down with an experiment, in a line, as a call that makes it
+    again; of arrays of many numbers their type and shape."""
+    fields = ", ".join(f"{name}={_whole(value)}" for name, value in _fields(self).items())
+    return f"{type(self).__name__}({fields})"
 
 
 def same(one: Any, other: Any) -> bool:
@@ -117,6 +126,12 @@ def _line(self: Any) -> str:
             break
         text += added
     return f"{type(self).__name__}({text})"
+
+
+def _whole(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return repr(value.tolist()) if value.size <= _NUMBERS else _short(value)
+    return repr(value)
 
 
 def _short(value: Any) -> str:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import arrays_of, checked, positive, within
 from omma.base.arrays import Floats
+from omma.base.slips import warn_of_slip
 from omma.motion.filters import filter_step, transfer
 
 # Of a Gaussian of full width Δρ at half maximum: M = exp(-π²/(4 ln 2) (Δρ/λ)²).
@@ -62,6 +63,9 @@ def grating_response(
 
     Raises:
         omma.Error: a number out of its range, or shapes that do not go together.
+
+    Warns:
+        UserWarning: time constants above 5 s or below 0.1 ms.
     """
     contrasts, wavelengths, frequencies, separations = arrays_of(
         contrast=contrast,
@@ -77,21 +81,24 @@ def grating_response(
             raise Error(f"{name}: expected numbers, found nan")
     if not np.all(wavelengths > 0):
         raise Error(f"wavelength_rad: expected numbers above 0, found {np.min(wavelengths):g}")
-    tau = positive(tau_s, "tau_s")
+    tau = _time_constant(tau_s, "tau_s")
     width = within(acceptance_angle_rad, "acceptance_angle_rad", 0, math.tau)
     light = within(mean, "mean", 0, 1e150)
     if light == 0:
         raise Error("mean: expected a number above 0, to which the contrast is relative, found 0")
+    high_pass = None
+    if high_pass_tau_s is not None:
+        high_pass = _time_constant(high_pass_tau_s, "high_pass_tau_s")
     with np.errstate(over="ignore", invalid="ignore"):
         omega = math.tau * frequencies
         if frame_rate_hz is None:
             high = np.ones_like(omega, np.complex128)
-            if high_pass_tau_s is not None:
-                slow = 1j * omega * positive(high_pass_tau_s, "high_pass_tau_s")
+            if high_pass is not None:
+                slow = 1j * omega * high_pass
                 high = slow / (1 + slow)
             late = high / (1 + 1j * omega * tau)
         else:
-            step = filter_step(tau, high_pass_tau_s, frame_rate_hz)
+            step = filter_step(tau, high_pass, frame_rate_hz)
             high, late = transfer(step, omega / frame_rate_hz)
         seen = light * contrasts * np.exp(-_GAUSSIAN * (width / wavelengths) ** 2)
         phase = np.sin(math.tau * separations / wavelengths)
@@ -114,12 +121,21 @@ def best_frequency_hz(tau_s: float, high_pass_tau_s: float | None = None) -> flo
 
     Raises:
         omma.Error: a number that is not above 0.
+
+    Warns:
+        UserWarning: time constants above 5 s or below 0.1 ms.
     """
-    delay = positive(tau_s, "tau_s")
+    delay = _time_constant(tau_s, "tau_s")
     if high_pass_tau_s is None:
         return 1 / (math.tau * delay)
     # Where the derivative of ω³/((1 + ω²τ²)(1 + ω²τ_H²)) is 0, ω in units of the shorter's inverse.
-    short, long = sorted((delay, positive(high_pass_tau_s, "high_pass_tau_s")))
+    short, long = sorted((delay, _time_constant(high_pass_tau_s, "high_pass_tau_s")))
     ratio = (short / long) ** 2
     squared = (1 + ratio + math.sqrt((1 + ratio) ** 2 + 12 * ratio)) / 2
     return math.sqrt(squared) / (math.tau * short)
+
+
+def _time_constant(value: float, name: str) -> float:
+    found = positive(value, name)
+    warn_of_slip("time constant", found, name)
+    return found

@@ -24,7 +24,8 @@ from omma.base.arguments import array_of, checked, one_of, within
 from omma.base.arrays import Floats, Ints
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.optional import needs
-from omma.base.values import value_class
+from omma.base.slips import warn_of_slip
+from omma.base.values import in_full, value_class
 from omma.photoreceptors.adaptation import light_of
 
 if TYPE_CHECKING:
@@ -82,6 +83,9 @@ class EventSensor:
     Raises:
         omma.Error: thresholds that are not above 0, a refractory time or ``dark`` that is negative
             or not finite.
+
+    Warns:
+        UserWarning: a refractory time above 1 s.
     """
 
     on_threshold: float | Floats = 0.2
@@ -89,6 +93,8 @@ class EventSensor:
     refractory_s: float = 0.0
     signal: Literal["log", "linear"] = "log"
     dark: float = 0.0
+
+    __repr__ = in_full
 
     def __post_init__(self) -> None:
         for name in ("on_threshold", "off_threshold"):
@@ -105,6 +111,7 @@ class EventSensor:
         for name in ("refractory_s", "dark"):
             object.__setattr__(self, name, within(getattr(self, name), name, 0, _LARGEST))
         one_of(self.signal, ("log", "linear"), "signal")
+        warn_of_slip("refractory time", self.refractory_s, "refractory_s")
 
     @checked
     def step(

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive, within
 from omma.base.arrays import Floats
+from omma.base.slips import refuse_slip
 from omma.base.values import value_class
 from omma.photoreceptors import knots
 
@@ -18,8 +19,6 @@ SHAPES = ("howard", "exponential", "box", "table")
 
 # Of a response that never ends, the share of |h| that may lie after `duration_s`.
 _LEFT_OUT = 1e-4
-# No photoreceptor is slower; more is a time in milliseconds.
-_LONGEST_S = 5.0
 # A table whose last value is above this share of its largest breaks off; below, it is noise.
 _ENDS_BELOW = 0.01
 # Where positive and negative lobes cancel to less than this, weights of ±1/share are only noise.
@@ -316,9 +315,7 @@ class ImpulseResponse:
 
 
 def _check_time(value: float, name: str) -> None:
-    positive(value, name)
-    if value > _LONGEST_S:
-        raise Error(f"{name}: expected seconds, at most {_LONGEST_S:g}, found {value:g}")
+    refuse_slip("impulse response", positive(value, name), name)
 
 
 def _times(times_s: ArrayLike) -> Floats:

@@ -9,6 +9,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
+from omma.base.slips import refuse_slip
 from omma.photoreceptors.adaptation import light_of
 from omma.photoreceptors.filters import filter_frames
 from omma.photoreceptors.impulse_response import ImpulseResponse
@@ -61,8 +62,10 @@ def microsaccades_rad(
     within(decade_rad, "decade_rad", 0.0, _WIDEST_RAD)
     within(largest_rad, "largest_rad", 0.0, _WIDEST_RAD)
     within(latency_s, "latency_s", 0.0, 1.0)
-    rise = _even(latency_s, latency_s + positive(rise_s, "rise_s"))
-    fall = _even(latency_s + rise_s, latency_s + rise_s + positive(return_s, "return_s"))
+    for name, value in (("rise_s", rise_s), ("return_s", return_s)):
+        refuse_slip("impulse response", positive(value, name), name)
+    rise = _even(latency_s, latency_s + rise_s)
+    fall = _even(latency_s + rise_s, latency_s + rise_s + return_s)
     # A step answered by a triangle is light averaged over its rise, less that over its fall.
     turned = filter_frames(decades, frame_rate_hz, rise) - filter_frames(
         decades, frame_rate_hz, fall

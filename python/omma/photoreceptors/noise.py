@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.arrays import Floats
+from omma.base.slips import warn_of_slip
 
 # From here on a Poisson number is drawn as a normal one: it differs from it by a skewness of 1e-5,
 # while drawing it directly would lose its digits.
@@ -54,6 +55,9 @@ def photon_noise(
     Raises:
         omma.Error: catches that are negative, not finite or more than 9e15 photons, or only one of
             ``photons_per_s`` and ``integration_time_s``.
+
+    Warns:
+        UserWarning: an integration time above 5 s.
     """
     if (photons_per_s is None) != (integration_time_s is None):
         raise Error("photon_noise: expected both of photons_per_s and integration_time_s, or none")
@@ -61,6 +65,7 @@ def photon_noise(
     if photons_per_s is not None and integration_time_s is not None:
         unit = positive(photons_per_s, "photons_per_s")
         unit *= positive(integration_time_s, "integration_time_s")
+        warn_of_slip("integration time", integration_time_s, "integration_time_s")
     given = _frames(catches, "catches")
     mean = given * unit
     bad = np.argwhere(~((mean >= 0) & (mean <= _MOST)))

@@ -13,7 +13,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
 from omma.receptors.sensitivity import receptor_optical_sensitivity
 from omma.species.assumed import Assume, completed
-from omma.species.facts import LATIN, Species, facts
+from omma.species.facts import LATIN, OTHERS, Species, facts
 from omma.species.stored import stored, stored_axes
 
 
@@ -29,7 +29,7 @@ def known(name: str) -> str:
             f"name: {name} has numbers (facts({name!r})), but too few are known for its eyes; "
             f"expected one of {', '.join(LATIN)}"
         )
-    return one_of(name, LATIN, "name")
+    return one_of(name, LATIN, "name", OTHERS)
 
 
 @cache

@@ -35,6 +35,8 @@ LATIN = {
     "dragonfly": "Anax junius",
     "fiddler_crab": "Gelasimus vomeris",
 }
+# What messages say of animals that are not there.
+OTHERS = " (omma.eye.generate_eye makes an eye of another animal, by its angles)"
 # What the table calls the time over which a receptor adds up light.
 _TIME = "integration_time"
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
@@ -180,7 +182,10 @@ def sources() -> tuple[Source, ...]:
 
 @cache
 def facts(animal: str | None = None) -> tuple[Fact, ...]:
-    """The table of facts: of one animal, or of all. Raises Error for an animal not in it."""
+    """The table of facts: of one animal, or of all. Raises Error for an animal not in it.
+
+    Of megalopta, a nocturnal bee, there are some numbers and no eye.
+    """
     known = {source.key: source for source in sources()}
     table = tuple(
         Fact(
@@ -198,7 +203,7 @@ def facts(animal: str | None = None) -> tuple[Fact, ...]:
         return table
     found = tuple(fact for fact in table if fact.animal == animal)
     if not found:
-        one_of(animal, dict.fromkeys(fact.animal for fact in table), "animal")
+        one_of(animal, dict.fromkeys(fact.animal for fact in table), "animal", OTHERS)
     return found
 
 

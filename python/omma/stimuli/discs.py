@@ -21,6 +21,8 @@ from omma.stimuli.stimulus import as_times
 
 # Of the polygon that is a disc, whose area is the circle's.
 _CORNERS = 256
+# Of a path on a sphere: in the middle of a chord a target is 4e-4 nearer, and looks as much larger.
+_CHORD_RAD = np.radians(3.0)
 
 
 @value_class
@@ -51,7 +53,7 @@ class LoomingDisc(Discs):
         omma.Error: a parameter out of its range.
 
     Warns:
-        UserWarning: an l/v above 10 s, or a collision more than 600 s away from time 0.
+        UserWarning: an l/v above 10 s, or a collision more than 60 s away from time 0.
     """
 
     l_over_v_s: float = 0.05
@@ -86,6 +88,11 @@ class LoomingDisc(Discs):
         distance = self.half_width_m / np.tan(np.radians(self.size_deg(times_s)) / 2)
         towards = np.broadcast_to(self._direction(), (len(distance), 3))
         return facing_origin(towards, distance)[:, None]
+
+    def _bends_s(self, first_s: float, last_s: float) -> Floats:
+        # It comes straight, and stops.
+        stops = self.collision_s - self.l_over_v_s / np.tan(np.radians(self.largest_deg) / 2)
+        return np.array([stops] if first_s < stops < last_s else [])
 
     @property
     def _disc_radiance(self) -> float:
@@ -183,6 +190,17 @@ class Target(Discs):
     def _transforms(self, times_s: Floats) -> Floats:
         towards = self.directions(times_s)
         return facing_origin(towards, np.full(len(towards), self.distance_m))[:, None]
+
+    def _bends_s(self, first_s: float, last_s: float) -> Floats:
+        # The points of its path, and arcs of great circles as chords.
+        points = directions_of(self.azimuth_deg, self.elevation_deg)
+        angles = np.arccos(np.clip(np.sum(points[:-1] * points[1:], axis=1), -1, 1))
+        legs = zip(self.path_s[:-1], self.path_s[1:], angles, strict=True)
+        chords = [
+            np.linspace(start, end, int(angle / _CHORD_RAD) + 2)[1:-1] for start, end, angle in legs
+        ]
+        bends = np.sort(np.concatenate([self.path_s, *chords]))
+        return bends[(bends > first_s) & (bends < last_s)]
 
     @property
     def _disc_radiance(self) -> float:

@@ -31,6 +31,8 @@ from omma.stimuli.turning import Turning
 _COUNT = whole_from(1, 100_000)
 # Corners of a dot and of a star.
 _CORNERS = 32
+# Of a cube's edge: a way on which its stars turn evenly.
+_STEP = 0.005
 
 
 @value_class
@@ -186,6 +188,12 @@ class Starfield(Discs):
         along = zip(entered.T, rates, strict=True)
         found = [whole_counts(starts, float(rate), first_s, last_s) for starts, rate in along]
         return np.unique(np.concatenate(found))
+
+    @property
+    def _even_for_s(self) -> float:
+        # On so short a way only stars that are very near turn much to face the head.
+        speed = float(np.linalg.norm(self.velocity_m_s))
+        return _STEP * self.cube_m / speed if speed else np.inf
 
     @property
     def _disc_radiance(self) -> float:

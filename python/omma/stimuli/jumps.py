@@ -1,8 +1,9 @@
-"""How the things of stimuli move, and frames that last while some of them jump.
+"""How the things of stimuli move, and frames that last while they do.
 
-Between frames a renderer takes things to go straight and turn evenly. Something that jumps is
-therefore told of just before and just after the jump as well, so that the way between is gone in no
-time; these moments are not rendered, a renderer knows them as its past.
+Between frames a renderer takes things to go straight and turn evenly, and to stand still before the
+first. A stimulus knows better: where things jump it tells the renderer of just before and just
+after, so that the way between is gone in no time, where they go round a bend of the bend, and of
+what was before the first frame. These moments are not rendered, a renderer knows them as its past.
 """
 
 from __future__ import annotations
@@ -54,6 +55,21 @@ def motion_of(transforms: Callable[[Floats], Floats], times_s: Floats) -> Motion
     return linear.reshape(shape), angular.reshape(shape)
 
 
+def even_steps(step_s: float, first_s: float, last_s: float) -> Floats:
+    """Times between the first and the last, so many seconds apart or less: growing.
+
+    Raises:
+        omma.Error: more than a million.
+    """
+    count = (last_s - first_s) / step_s
+    if count > _MOST_JUMPS:
+        raise Error(
+            f"times_s: expected at most {_MOST_JUMPS:,} quarter turns of the stimulus within "
+            f"{last_s - first_s:.3g} s of the impulse response, found {count:.3g}{_OTHERWISE}"
+        )
+    return np.asarray(np.linspace(first_s, last_s, int(count) + 2)[1:-1])
+
+
 def half_turn_s(speed_deg_s: float) -> float:
     """The time in which something turns by 180°, s."""
     return float(180 / abs(speed_deg_s)) if speed_deg_s else np.inf
@@ -81,18 +97,23 @@ def whole_counts(starts: Floats | float, rate_hz: float, first_s: float, last_s:
 
 @dataclass(frozen=True)
 class Path:
-    """Where a head and K things are at growing times (T,), s, between which things jump.
+    """Where a head and K things are at growing times (T,), s, and before them: the head stood
+    still, the things moved.
 
     Args:
         times_s, poses: (T,) and (T, 4, 4), ``world_from_head``.
-        jumps_s: when anything jumps, growing.
+        start_s: from when on the first frame sees things.
+        jumps_s: when anything jumps, growing, from then on.
+        bends_s: when anything turns to another way, growing, from then on.
         transforms: of times (M,) to where things are, (M, K, 4, 4).
         things: K.
     """
 
     times_s: Floats
     poses: Matrices
+    start_s: float
     jumps_s: Floats
+    bends_s: Floats
     transforms: Callable[[Floats], Floats]
     things: int
 
@@ -100,25 +121,20 @@ class Path:
         self,
         render: Callable[..., NDArray[np.float32]],
         instances: list[int],
-        duration_s: float,
         progress: Progress | None,
     ) -> NDArray[np.float32]:
         """Responses (T, N, B), by as many calls of a renderer's ``render`` as it takes for none to
-        have a jump within it.
-
-        Args:
-            duration_s: of the impulse response, for which the past counts.
-        """
+        have a jump or a bend within it."""
         moments = self._moments()
         counts = len(self.times_s)
-        # A frame before which anything jumps is the first of a call.
-        jumped = np.searchsorted(self.times_s, moments)
-        firsts = np.union1d([0], jumped[(jumped > 0) & (jumped < counts)]).tolist()
+        # A frame before which there is any is the first of a call.
+        told = np.searchsorted(self.times_s, moments)
+        firsts = np.union1d([0], told[(told > 0) & (told < counts)]).tolist()
         pieces = []
         for first, end in zip(firsts, [*firsts[1:], counts], strict=True):
             options: dict[str, Any] = {"times_s": self.times_s[first:end]}
-            if first:
-                options["past"] = self._past(first, moments, duration_s)
+            if counts:
+                options["past"] = self._past(first, moments)
             if len(firsts) > 1:
                 # Frames of noise that is new in every one count on from call to call by themselves.
                 options["progress"] = share_of(progress, first / counts, end / counts)
@@ -134,23 +150,25 @@ class Path:
         return pieces[0] if len(pieces) == 1 else np.concatenate(pieces)
 
     def _moments(self) -> Floats:
-        """Just before and just after each jump, (2 J,)."""
+        """Those besides the times of frames that say how things move: the start, bends, and just
+        before and just after each jump."""
         half = _JUMP_S + _JUMP_STEPS * np.spacing(np.abs(self.jumps_s))
-        return np.unique(np.concatenate([self.jumps_s - half, self.jumps_s + half]))
+        around = [self.jumps_s - half, self.jumps_s + half]
+        moments = np.concatenate([[self.start_s], self.bends_s, *around])
+        return np.setdiff1d(moments, self.times_s)
 
-    def _past(
-        self, first: int, moments: Floats, duration_s: float
-    ) -> tuple[Matrices, Floats, Floats]:
+    def _past(self, first: int, moments: Floats) -> tuple[Matrices, Floats, Floats]:
         """What the frame still sees, and one time before that: poses, times and transforms."""
-        now = self.times_s[first]
+        now, seen_s = self.times_s[first], self.times_s[0] - self.start_s
         known = np.union1d(self.times_s[:first], moments)
-        known = known[(known >= self.times_s[0]) & (known < now)]
-        known = known[max(0, int(np.searchsorted(known, now - duration_s)) - 1) :]
+        known = known[known < now]
+        known = known[max(0, int(np.searchsorted(known, now - seen_s)) - 1) :]
         if len(known) * self.things > _MOST_TRANSFORMS:
             raise Error(
                 f"times_s: expected at most {_MOST_TRANSFORMS:,} transforms within "
-                f"{duration_s:.3g} s of the impulse response, found {len(known):,} times of "
-                f"{self.things:,} things that jump{_OTHERWISE}"
+                f"{seen_s:.3g} s of the impulse response, found {len(known):,} times of "
+                f"{self.things:,} things that move{_OTHERWISE}"
             )
-        poses = poses_between(self.poses, self.times_s, known)
+        # The head stood still before the first time.
+        poses = poses_between(self.poses, self.times_s, np.maximum(known, self.times_s[0]))
         return poses, known, self.transforms(known)

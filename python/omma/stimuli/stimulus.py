@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Background, Error, Scene
 from omma.base.arguments import Shape, array_of, checked, expect
 from omma.base.arrays import Floats
+from omma.base.poses import Matrices
 from omma.base.progress import Progress
+from omma.base.values import in_full
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
 from omma.stimuli.gaussian import gaussian_means
-from omma.stimuli.jumps import Motion, Path, motion_of
+from omma.stimuli.jumps import Motion, Path, even_steps, motion_of
 
 
 class Settings(Protocol):
@@ -45,6 +47,8 @@ class Stimulus:
     scene.
 
     """
+
+    __repr__ = in_full
 
     # Fields of each: what it is called, and the radiance where nothing of it is.
     name: str
@@ -109,10 +113,20 @@ class Stimulus:
         """When anything jumps after the first and not after the last time, growing, s."""
         return np.empty(0)
 
+    def _bends_s(self, first_s: float, last_s: float) -> Floats:
+        """When anything turns to another way between the first and the last time, growing, s: from
+        each to the next things go straight and turn evenly."""
+        return np.empty(0)
+
     @property
     def _longest_step_s(self) -> float:
         """Between frames, from which on it would seem to turn the other way."""
         return np.inf
+
+    @property
+    def _even_for_s(self) -> float:
+        """How long things that do not bend are well taken to go straight and turn evenly."""
+        return self._longest_step_s / 2
 
     def _scene(self) -> Scene:
         """Its things, wherever they are."""
@@ -205,9 +219,9 @@ class Stimulus:
         """Responses (T, N, B) to the stimulus at each time: float32 [time, ommatidium, band].
 
         As `render` with ``instances`` and ``transforms``: afterwards the renderer's world is as it
-        was. Ctrl-C stops it. With an impulse response things move within a frame as the head does,
-        straight and evenly turning from each time to the next, and jump at the very time at which
-        they do; before the first time all stood still.
+        was. Ctrl-C stops it. With an impulse response things move within a frame, and before the
+        first, as the stimulus says; the head goes straight and turns evenly from each time to the
+        next, and stood still before the first.
 
         Args:
             renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things.
@@ -251,9 +265,17 @@ class Stimulus:
                 "turns by half a turn and would seem to turn the other way, found "
                 f"{steps.max():.4g} s"
             )
-        jumps = self._jumps_s(times[0], times[-1]) if len(times) else np.empty(0)
-        path = Path(times, matrices, jumps, self._transforms, len(instances))
-        return path.render(renderer.render, instances, h.duration_s, progress)
+        path = self._path(times, matrices, h.duration_s)
+        return path.render(renderer.render, instances, progress)
+
+    def _path(self, times_s: Floats, matrices: Matrices, duration_s: float) -> Path:
+        """The way of a head and of its things through frames that last so long, s."""
+        first, last = (times_s[0], times_s[-1]) if len(times_s) else (0.0, 0.0)
+        start = float(first - duration_s)
+        jumps = self._jumps_s(start, last)
+        before = even_steps(self._even_for_s, start, first)
+        bends = np.union1d(before, self._bends_s(start, last))
+        return Path(times_s, matrices, start, jumps, bends, self._transforms, len(self.names))
 
 
 def as_times(times_s: ArrayLike) -> Floats:
