@@ -71,10 +71,14 @@ def test_a_figure_says_whose_light_it_is_and_how_its_maps_lie(figures):
 
 
 def test_labels_are_within_the_figure(figures):
-    omma.picture.plot_sky("a.png", omma.light.clear_sky(30, bands=omma.light.Bands.equal(4)), [550])
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    bands = omma.light.Bands.from_edges(EDGES_NM)
+    omma.picture.plot_sky("a.png", omma.light.clear_sky(30, bands=bands))
     figure = figures[-1]
-    figure.canvas.draw()
-    renderer, width = figure.canvas.get_renderer(), figure.bbox.width
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer, width = canvas.get_renderer(), figure.bbox.width
     ends = [
         panel.yaxis.label.get_window_extent(renderer)
         for one in figure.axes
