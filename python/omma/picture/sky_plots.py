@@ -187,7 +187,8 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
         figsize=(size_mm * MM, size_mm * MM * (0.25 * len(bands) + 0.27)), layout="constrained"
     )
     # Labels of bars of colours reach beyond what the layout knows of.
-    figure.get_layout_engine().set(rect=(0, 0, 0.98, 1))
+    layout: Any = figure.get_layout_engine()
+    layout.set(rect=(0, 0, 0.98, 1))
     figure.suptitle(title)
     grid = figure.add_gridspec(len(bands) + 1, 3, height_ratios=[1.0] * len(bands) + [0.8])
     span = np.linspace(-1, 1, _PIXELS)
