@@ -300,6 +300,8 @@ def test_d_prime_adds_up_over_receptors_and_time():
         (lambda: cv.von_kries([1, 2], [1, 0]), "adapting: expected numbers above 0, found 0"),
         (lambda: cv.von_kries([1, 2], [1, 2, 3]), r"adapting: expected shape \(..., 2\)"),
         (lambda: cv.class_noise(0, [1, 2]), "weber_fraction: expected"),
+        (lambda: cv.class_noise(13, [1, 2]), "found 13; 13 per cent would be 0.13"),
+        (lambda: cv.achromatic_distance(1, 2, 5), "to 1, found 5; 5 per cent would be 0.05"),
         (lambda: cv.class_noise(0.1, [1, -2]), "density: expected finite numbers above 0"),
         (lambda: cv.class_noise(0.1, [1, 2], reference=2), "reference: expected -2 to 1"),
         (

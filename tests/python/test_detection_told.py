@@ -54,6 +54,15 @@ def test_what_is_never_and_what_is_always_told():
     assert omma.detect(eye, DiscTarget(0.02, 0.1, 0.5), LIGHT, by_colour).distance_m == 0
 
 
+def test_fewer_ommatidia_than_are_summed_over_are_told():
+    target = DiscTarget(0.03, 0.4, 0.1)
+    by = {"by": "achromatic", "receptors": ("green",)}
+    with pytest.warns(UserWarning, match="expected 7 ommatidia, .* found 1: the distance is by"):
+        seven = omma.detect(bee(), target, BRIGHT, Observer(**by))
+    one = omma.detect(bee(), target, BRIGHT, Observer(**by, ommatidia=1))
+    assert seven.distance_m == one.distance_m
+
+
 @pytest.mark.parametrize(
     ("call", "told"),
     [

@@ -56,6 +56,11 @@ def named_files(tmp_path_factory):
     omma.save_eye(folder / "eye-in-micrometres.eye", eye, "um")
     for name in ("honeybee", "right", "eye"):
         omma.save_eye(folder / f"{name}.csv", eye)
+    lines = (folder / "honeybee.csv").read_text().splitlines()
+    header, first, *rest = [line for line in lines if not line.startswith("#")]
+    cells, names = first.split(","), header.split(",")
+    cells[next(k for k, one in enumerate(names) if one.startswith("acceptance_angle_"))] = ""
+    (folder / "measured.csv").write_text("\n".join([header, ",".join(cells), *rest]))
     omma.save_eye(folder / "bee.csv", receptors)
     across = omma.receptors.ReceptorType(
         "rim", peak_wavelength_nm=345, polarisation_sensitivity=6.3

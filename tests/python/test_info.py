@@ -151,7 +151,10 @@ def test_info_of_poses(omma_command, tmp_path):
 @pytest.mark.parametrize(
     ("text", "unit"),
     [
-        ("wl,white,red\n300,5,3\n500,70,4\n700,72,61\n", "per cent, as the values look"),
+        (
+            "wl,white,red\n300,5,3\n500,70,4\n700,72,61\n",
+            'per cent, as the values look; unit="as_is"',
+        ),
         ("wl,white %,red %\n300,.1,.3\n500,.2,.4\n700,.2,.6\n", "per cent, as the file says"),
         ("300 0.5 0.3\n500 0.7 0.4\n700 0.72 0.6\n", "fractions, as the values look"),
         ("nm\tsun\tsky\n300\t1e14\t1\n500\t2\t3\n700\t2\t3\n", "neither fractions nor per cent"),

@@ -84,7 +84,7 @@ def test_bands_of_sensitivities_weigh_as_these_do():
         (lambda: Bands([300, 400], [[1, 1]], [300, 350, 400]), "edges_nm: expected 2, found 3"),
         (
             lambda: Bands.equal().mean([1.0, 2.0], [350, 700]),
-            "spectrum: expected values from 300.5",
+            "spectrum: expected values from 300 to 700 nm",
         ),
         (lambda: Bands.equal().mean([1.0, 2.0]), "wavelength_nm: expected those of the spectrum"),
         (lambda: Bands.equal().mean(lambda nm: nm * np.nan), "spectrum: expected finite"),

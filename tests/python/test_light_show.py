@@ -46,6 +46,60 @@ def test_a_title_says_when_and_where():
     assert light_title(high) == said
 
 
+def test_titles_round_where_the_sun_is():
+    few = omma.light.Bands.equal(2)
+    light = omma.light.clear_sky(15.22618, sun_azimuth_deg=288.8071, bands=few)
+    assert light_title(light) == "clear sky, sun elevation 15.23°, sun azimuth 288.81°"
+
+
+def texts(figure):
+    return [one.get_text() for panel in figure.axes for one in panel.texts]
+
+
+def test_a_figure_says_whose_light_it_is_and_how_its_maps_lie(figures):
+    few = omma.light.Bands.equal(4)
+    sun = omma.light.clear_sky(30, bands=few)
+    moon = omma.light.moonlit_sky(30, bands=few)
+    for light, name in ((sun, "sun"), (moon, "moon"), (sun.turned(20), "sun"),
+                        (sun.plus(moon), "sun or moon")):  # fmt: skip
+        omma.picture.plot_sky("a.png", light, [550])
+        legend = figures[-1].axes[-1].get_legend() or next(
+            one.get_legend() for one in figures[-1].axes if one.get_legend()
+        )
+        assert [one.get_text() for one in legend.get_texts()] == ["sky", name, "both"]
+        assert sum("seen from above" in one for one in texts(figures[-1])) == 1
+
+
+def test_labels_are_within_the_figure(figures):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    bands = omma.light.Bands.from_edges(EDGES_NM)
+    omma.picture.plot_sky("a.png", omma.light.clear_sky(30, bands=bands))
+    figure = figures[-1]
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer, width = canvas.get_renderer(), figure.bbox.width
+    ends = [
+        panel.yaxis.label.get_window_extent(renderer)
+        for one in figure.axes
+        for panel in (one, *one.child_axes)
+        if panel.yaxis.label.get_text()
+    ]
+    assert all(box.x0 >= 0 and box.x1 <= width for box in ends)
+
+
+def test_the_command_says_when_and_where(figures, omma_command):
+    pytest.importorskip("ephem")
+    asked = ("--time", "2026-06-21T19:30:00+02:00", "--place", "52.5,13.4", "--wavelength", 550)
+    for kind, said in (
+        ("clear", "2026-06-21 19:30+02:00, latitude 52.5°, longitude 13.4°: clear sky, sun elev"),
+        ("natural", "natural sky at 2026-06-21 19:30+02:00, latitude 52.5°, longitude 13.4°"),
+    ):
+        assert omma_command("light", "show", *asked, "--kind", kind, "-o", "a.png")[0] == 0
+        title = figures[-1].get_suptitle().replace("\n", " ")
+        assert title.startswith(said)
+
+
 def test_what_cannot_be_drawn(tmp_path):
     light = omma.light.uniform_sky()
     with pytest.raises(omma.Error, match=r"expected a name ending in \.pdf"):

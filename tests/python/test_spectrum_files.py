@@ -188,11 +188,73 @@ def test_ranges_and_columns(tmp_path):
             load_spectra(path, range_nm=wrong)
 
 
+def test_fractions_beside_per_cent_are_told(tmp_path):
+    path = written(tmp_path, "wl,petal,leaf,soil\n300,6,0.02,3\n500,70,0.14,4\n")
+    told = r"per cent, up to 70, but leaf \(up to 0.14\) may be fractions"
+    with pytest.warns(UserWarning, match=told):
+        load_spectra(path, unit="percent")
+    with pytest.warns(UserWarning, match=told):
+        load_spectra(path)
+    # What the warning says to do, and what is per cent alone.
+    assert quietly(path, unit="fraction", columns=["leaf"])["leaf"].value.tolist() == [0.02, 0.14]
+    quietly(path, unit="percent", columns=["petal", "soil"])
+    quietly(written(tmp_path, "wl,black,dark\n300,0.4,3\n500,0.5,9\n"), unit="percent")
+
+
+def test_lines_that_are_there_twice_count_once(tmp_path):
+    """As where a spectrometer's files were spliced, which its reader writes twice."""
+    for text in ("300,1\n400,2\n400,2\n500,3\n", "500,3\n400,2\n400,2\n300,1\n"):
+        found = quietly(written(tmp_path, "wl,a\n" + text), unit="percent")["a"]
+        assert found.wavelength_nm.tolist() == [300, 400, 500]
+        np.testing.assert_allclose(found.value, [0.01, 0.02, 0.03])
+
+
+def test_cells_that_are_empty(tmp_path):
+    """Like NA: the error names column and wavelength; columns= and range_nm= leave them out."""
+    for cells in ("400,\n500,6", "400,NA\n500,6", "400,,\n500,6,", "400\t\n500\t6"):
+        tab = "\t" in cells
+        text = f"wl,a\n300,5\n{cells}\n600,7\n"
+        path = written(tmp_path, text.replace(",", "\t") if tab else text)
+        with pytest.raises(omma.Error, match="line 3: expected a number, found none of 'a' at 400"):
+            load_spectra(path, unit="percent")
+        assert quietly(path, unit="percent", range_nm=(500, 600))["a"].value.tolist() == [
+            0.06, 0.07,
+        ]  # fmt: skip
+    path = written(tmp_path, "wl,a\n300,\n400,5\n500,6\n")  # in the first line too
+    with pytest.raises(omma.Error, match="line 2: expected a number, found none of 'a' at 300 nm"):
+        load_spectra(path, unit="percent")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "wl,a\n300,6,123\n301,6,130\n",
+        "wl,a\n300,0,6,123\n300,5,6,130\n",
+        "wl,a,b\n300,6,1,0,2\n301,6,2,0,3\n",
+        "300,6,023\n301,6,123\n",
+    ],
+)
+def test_commas_that_may_be_either_are_refused(tmp_path, text):
+    with pytest.raises(omma.Error, match=r"petals.csv, line [12]: commas are between numbers and"):
+        load_spectra(written(tmp_path, text), unit="percent")
+
+
+def test_commas_between_whole_numbers_are_plain(tmp_path):
+    """Rows numbered as R writes them, also from 101 on, and two columns without names."""
+    for first in (1, 101):
+        path = written(tmp_path, f"wl,a\n{first},300,5\n{first + 1},400,6\n")
+        assert quietly(path, unit="percent")["a"].wavelength_nm.tolist() == [300, 400]
+    assert len(quietly(written(tmp_path, "300,6,23\n301,6,0\n"), unit="percent")) == 2
+
+
 WRONG = {
     "no number": ("wl,a\n300,1\n400,x\n", "line 3: expected numbers, found 'x'"),
     "no number in the first line": ("wl,a\n300,x\n400,1\n", "line 2: expected numbers, found 'x'"),
     "a cell too many": ("wl,a\n300,1\n400,1,2\n", "line 3: expected 2 numbers, found 3"),
-    "twice": ("wl,a\n300,1\n300,2\n", "line 3: .* each once, found 300 after 300 nm"),
+    "twice": (
+        "wl,a\n300,1\n300,2\n",
+        "line 3: .* each once, found 300 after 300 nm, with other values than in line 2: keep one",
+    ),
     "unsorted": ("wl,a\n300,1\n500,2\n400,2\n", "line 4: .* found 400 after 500 nm"),
     "micrometres": ("wl,a\n0.3,1\n0.7,2\n", "found 0.3 to 0.7, which look like micrometres"),
     "wavenumbers": ("wl,a\n14000,1\n33000,2\n", "expected wavelengths of 100 to 5000 nm"),
@@ -218,7 +280,7 @@ def test_bands_take_spectra_and_refuse_short_ones():
     ramp = omma.light.Spectrum([300, 700], [0, 4])
     np.testing.assert_allclose(bands.mean(ramp), [0.5, 1.5, 2.5, 3.5])
     with pytest.raises(
-        omma.Error, match=r"expected values from 300.5 to 699.5 nm, where the bands"
+        omma.Error, match=r"from 300 to 700 nm, where the bands are, found 400 to 700 nm"
     ):
         bands.mean(omma.light.Spectrum([400, 700], [0, 4]))
 
@@ -247,5 +309,5 @@ def test_a_sky_by_its_irradiance():
     assert len(again.bands) == 2
     with pytest.raises(omma.Error, match="irradiance_unit: expected one of watts, microwatts_per"):
         omma.light.measured_sky(flat, "lux")
-    with pytest.raises(omma.Error, match=r"spectrum: expected values from 300.5 to 699.5 nm"):
+    with pytest.raises(omma.Error, match=r"spectrum: expected values from 300 to 700 nm"):
         omma.light.measured_sky(omma.light.Spectrum([400, 700], [1, 1]), "watts")

@@ -115,7 +115,8 @@ def test_days_of_other_calendars():
 
 def test_what_is_refused():
     day = date(2026, 6, 21)
-    with pytest.raises(TypeError, match=r"date: expected a datetime\.date, found"):
+    told = r"date: expected a datetime\.date, found a datetime .*; its \.date\(\) is the day"
+    with pytest.raises(TypeError, match=told):
         sunset(datetime(2026, 6, 21, 12), 0, 0)
     with pytest.raises(omma.Error, match="date: expected a year from 1901 to 2099, found 2100"):
         sunset(date(2100, 1, 1), 0, 0)

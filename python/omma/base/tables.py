@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import os
+import re
 from array import array
 from collections.abc import Iterable, Sequence
 from importlib.resources import files
@@ -19,7 +20,25 @@ from omma.base.arrays import Floats
 from omma.base.files import PathLike, open_text
 
 # How programs write that a number is not known, in small letters.
-_MISSING = ("", "nan", "na", "n/a", "none", "null")
+MISSING = ("", "nan", "na", "n/a", "none", "null")
+# A number with a decimal comma.
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
+
+
+def separator_of(line: str) -> str:
+    """What is between the cells of a table, by one of its lines: semicolons or tabs where it has
+    some, else commas."""
+    return next((one for one in ";\t" if one in line), ",")
+
+
+def has_decimal_comma(cell: str) -> bool:
+    """Whether a cell is a number with a decimal comma."""
+    return _DECIMAL_COMMA.fullmatch(cell) is not None
+
+
+def decimal_point(cell: str) -> str:
+    """A cell, whose decimal comma is a point then."""
+    return cell.replace(",", ".") if has_decimal_comma(cell) else cell
 
 
 def read_table(
@@ -46,7 +65,7 @@ def read_table(
         if not line:
             continue
         if not columns:
-            between = next((one for one in ";\t" if one in line), ",")
+            between = separator_of(line)
         try:
             read = csv.reader([line], delimiter=between, skipinitialspace=between != "\t")
             cells = [cell.strip() for cell in next(read)]
@@ -65,7 +84,7 @@ def read_table(
                 f"{where}: expected {len(columns)} numbers separated by {word}, found {len(cells)}"
             )
         if between != ",":
-            cells = [cell.replace(",", ".") for cell in cells]
+            cells = [decimal_point(cell) for cell in cells]
         numbers.extend(map(_number, cells, columns, repeat(where), repeat(missing)))
         lines.append(number)
     if not numbers:
@@ -101,7 +120,7 @@ def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[F
 
 
 def _number(cell: str, column: str, where: str, missing: bool) -> float:
-    if missing and cell.lower() in _MISSING:
+    if missing and cell.lower() in MISSING:
         return math.nan
     try:
         value = float(cell)

@@ -41,6 +41,8 @@ any order; each axis points from a tip to its lens. Both eyes of a head may be i
 
 `omma eye convert old-in-degrees.eye --degrees -o new.eye`
 
+`omma eye convert measured.csv --missing-acceptance neighbours -o whole.csv`
+
 `omma eye convert ommatidial_data.csv --from oda --ahead=0,1,0 --up=0,0,1 -o fly.csv`
 
 `omma eye convert lenses.csv --from lens-cone --cones cones.csv --scan-unit mm -o bee.glb`
@@ -92,6 +94,13 @@ def convert(
     degrees: Annotated[
         bool, switch("--degrees", "Acceptance angles of the .eye file are degrees.")
     ] = False,
+    missing_acceptance: Annotated[
+        Literal["refuse", "neighbours"],
+        option(
+            "What becomes of ommatidia of a .csv file without an acceptance angle: neighbours "
+            "gives them the mean of the six that look nearest."
+        ),
+    ] = "refuse",
     lossy: Annotated[
         bool, switch("--lossy", "Write an .eye file although it loses something.")
     ] = False,
@@ -116,10 +125,12 @@ def convert(
         raise Error("convert: expected --from lens-cone and --cones together")
     if acceptance_ratio is not None and acceptance_deg is not None:
         raise Error("convert: expected --acceptance-ratio or --acceptance-deg, not both")
+    if source is not None and missing_acceptance != "refuse":
+        raise Error("convert: --missing-acceptance is for eye files, not for measurements")
     with working() as bar:
         bar.show("reading", None)
         if source is None:
-            found, notes = _read(eye, unit, head, degrees)
+            found, notes = _read(eye, unit, head, degrees, missing_acceptance)
             if output.suffix.lower() in (".csv", *OCES_SUFFIXES):
                 # That there is nothing old about a file is no news to who wants another format.
                 notes = tuple(n for n in notes if not n.startswith("Nothing to convert"))
@@ -156,10 +167,14 @@ def convert(
         save(output, found, unit)
 
 
-def _read(path: Path, unit: str, head: str | None, degrees: bool) -> tuple[Eye, tuple[str, ...]]:
+def _read(
+    path: Path, unit: str, head: str | None, degrees: bool, missing: str
+) -> tuple[Eye, tuple[str, ...]]:
     if path.suffix.lower() in (".csv", *OCES_SUFFIXES) or head is not None:
         if degrees:
             raise Error("convert: --degrees is for .eye files; other files say their units")
-        return load_eye(path, unit, head=head), ()
+        return load_eye(path, unit, head=head, missing_acceptance=missing), ()
+    if missing != "refuse":
+        raise Error(f"{path}: only .csv files can have gaps in acceptance angles")
     converted = convert_eye(path, unit, degrees=degrees)
     return converted.eye, converted.notes

@@ -19,6 +19,7 @@ from omma.light.bands import Bands
 from omma.light.lights import Light
 from omma.light.nights import natural_sky, natural_sky_at
 from omma.light.skies import clear_sky, clear_sky_at, moonlit_sky, overcast_sky
+from omma.picture.light_titles import light_title
 from omma.picture.sky_plots import plot_sky
 from omma.scene.light_words import parse_light
 
@@ -145,7 +146,7 @@ def show(
                 said["bands"] = Bands.from_edges(_EDGES_NM)
                 shown = _sky(chosen, sun, azimuth or 0.0, time, place, said)
         with as_named(wavelengths_nm="wavelength"):
-            plot_sky(names, shown, wavelength or None)
+            plot_sky(names, shown, wavelength or None, title=_title(shown, time, place))
     for name in names:
         say(f"wrote {name}")
 
@@ -201,6 +202,18 @@ def _sky(
     if kind == "natural":
         return natural_sky(sun, sun_azimuth_deg=azimuth, **air)
     return clear_sky(sun, sun_azimuth_deg=azimuth, **air)
+
+
+def _title(light: Light, time: str | None, place: str | None) -> str | None:
+    """Time and place as they were asked for, ahead of the sky that they gave; None: no time was."""
+    if time is None or place is None:
+        return None
+    said = light_title(light)
+    when = _moment(time).isoformat(" ", "minutes")
+    if when in said:
+        return said
+    latitude, longitude = _place(place)
+    return f"{when}, latitude {latitude:g}°, longitude {longitude:g}°: {said}"
 
 
 def _moment(text: str) -> datetime:

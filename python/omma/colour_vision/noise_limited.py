@@ -29,8 +29,9 @@ from omma.colour_vision.catches import MOST, as_catches, pair_of
 
 # What of a catch is a receptor's signal.
 Signal = Literal["log", "linear"]
-# Wide enough for every animal, narrow enough for squares.
-WEBER_FRACTIONS = (1e-9, 1e9)
+# Wide enough for every animal, narrow enough for squares. What is above 1, noise beyond the signal
+# itself, is meant per cent.
+_LEAST_WEBER, _MOST_WEBER = 1e-9, 1.0
 
 
 @checked
@@ -41,7 +42,7 @@ def class_noise(weber_fraction: float, density: ArrayLike, *, reference: int = -
     Weber fraction of the reference class, all its receptors pooled (Vorobyev & Osorio 1998).
 
     Args:
-        weber_fraction: ω, above 0; 0.1 or so, of animals in daylight.
+        weber_fraction: ω, above 0, at most 1; 0.1 or so, of animals in daylight.
         density: (N,), relative numbers η of receptors of each class.
         reference: which class ω is of; -1, the last.
 
@@ -50,9 +51,9 @@ def class_noise(weber_fraction: float, density: ArrayLike, *, reference: int = -
         [0.2, 0.1414, 0.1414, 0.1]
 
     Raises:
-        omma.Error: numbers that are not above 0, no such class.
+        omma.Error: numbers that are not above 0, a Weber fraction above 1, no such class.
     """
-    fraction = within(weber_fraction, "weber_fraction", *WEBER_FRACTIONS)
+    fraction = _weber(weber_fraction)
     pooled = _noise(density, "density")
     which = whole(reference, "reference", -len(pooled), len(pooled) - 1)
     with np.errstate(over="ignore"):
@@ -133,7 +134,7 @@ def achromatic_distance(
 
     Args:
         first, second: (...), catches; above 0.
-        weber_fraction: of the class; above 0.
+        weber_fraction: of the class; above 0, at most 1.
         photon_noise: catches are photons, whose noise is added.
 
     Example:
@@ -141,14 +142,22 @@ def achromatic_distance(
         7.05
 
     Raises:
-        omma.Error: numbers that are not above 0, or shapes that do not go together.
+        omma.Error: numbers that are not above 0, a Weber fraction above 1, or shapes that do not go
+            together.
     """
-    fraction = within(weber_fraction, "weber_fraction", *WEBER_FRACTIONS)
+    fraction = _weber(weber_fraction)
+    return distance_of_one(first, second, fraction, photon_noise=photon_noise)
+
+
+def distance_of_one(
+    first: ArrayLike, second: ArrayLike, noise: float, *, photon_noise: bool
+) -> Floats:
+    """`achromatic_distance` by the noise of a class, which may be above 1 where few are pooled."""
     one, other = pair_of(
         array_of(first, "first")[..., None], array_of(second, "second")[..., None],
         ("first", "second"), above_zero=True,
     )  # fmt: skip
-    variance = fraction**2 + (2 / (one + other) if photon_noise else 0.0)
+    variance = noise**2 + (2 / (one + other) if photon_noise else 0.0)
     return np.asarray((np.abs(np.log(one) - np.log(other)) / np.sqrt(variance))[..., 0])
 
 
@@ -196,6 +205,16 @@ def _weighted_spread(difference: Floats, variance: Floats) -> Floats:
         mean /= weight.sum(axis=-1, keepdims=True)
         squares = (weight * (difference - mean) ** 2).sum(axis=-1)
         return np.asarray(np.sqrt(squares / least[..., 0]))
+
+
+def _weber(weber_fraction: float) -> float:
+    try:
+        return within(weber_fraction, "weber_fraction", _LEAST_WEBER, _MOST_WEBER)
+    except Error as error:
+        meant = ""
+        if _MOST_WEBER < weber_fraction <= 100:
+            meant = f"; {weber_fraction:g} per cent would be {weber_fraction / 100:g}"
+        raise Error(f"{error}{meant}") from None
 
 
 def _noise(value: ArrayLike, name: str, classes: int | None = None) -> Floats:

@@ -16,7 +16,8 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
 from omma.base.arrays import Floats, Ints
 from omma.base.values import value_class
-from omma.colour_vision.noise_limited import achromatic_distance, noise_limited_distance
+from omma.base.warn import warn_caller
+from omma.colour_vision.noise_limited import distance_of_one, noise_limited_distance
 from omma.colour_vision.views import Looking, Seen, View
 from omma.receptors.sensitivity import ommatidium_of_receptor
 
@@ -45,7 +46,7 @@ class Observer:
         noise: e of each class of receptors of the eye, in the order of their first types, as
             `class_noise` gives it, for all but "photons"; (): 0.1 of each.
         ommatidia: over how many that look nearest to the target catches are summed, for all but
-            "photons".
+            "photons"; of an eye with fewer all, with a warning.
         azimuth_deg, elevation_deg: where in the head's field the target is kept.
 
     Raises:
@@ -119,7 +120,14 @@ class Decision:
     def ommatidia(self, view: View, nearest_m: float) -> NDArray[np.intp]:
         """Whose responses count, at this distance and beyond."""
         if self._observer.by != "photons":
-            return view.nearest(self._observer.ommatidia)
+            nearest = view.nearest(self._observer.ommatidia)
+            if len(nearest) < self._observer.ommatidia:
+                warn_caller(
+                    f"observer: expected {self._observer.ommatidia} ommatidia, over which catches "
+                    f"are summed, found {len(nearest)}: the distance is by these",
+                    UserWarning,
+                )
+            return nearest
         return view.reached(nearest_m)
 
     def excess(self, target: Looking, distance_m: float) -> tuple[float, float]:
@@ -165,7 +173,7 @@ class Decision:
                     seen, ground[used], self._noise[used], photon_noise=True
                 )
             noise = float(self._noise[used][0])
-            return achromatic_distance(seen[..., 0], ground[used][0], noise, photon_noise=True)
+            return distance_of_one(seen[..., 0], ground[used][0], noise, photon_noise=True)
 
         found = float(distance(added))
         step = _STEP * ground * np.eye(count)

@@ -6,24 +6,37 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from omma import _core
 from omma._core import Error, Eye
 from omma.base.addresses import expect_local
-from omma.base.arguments import checked
+from omma.base.arguments import checked, one_of
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.warn import warn_caller
+from omma.eye.csv_files import load_csv
 
 # Files of the Open Compound Eye Standard.
 OCES_SUFFIXES = (".gltf", ".glb")
 # Files that eyes are written to.
 EYE_SUFFIXES = (".csv", *OCES_SUFFIXES, ".eye")
+# What becomes of ommatidia without an acceptance angle.
+MISSING_ACCEPTANCE = ("refuse", "neighbours")
 
 
 @checked
-def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None = None) -> Eye:
+def load_eye(
+    path: PathLike,
+    unit: str | float = "mm",
+    *,
+    head: str | int | None = None,
+    missing_acceptance: str = "refuse",
+) -> Eye:
     """Read an eye; the ending of the name says which format it is (docs/eyes.md).
 
     `.csv`: a line for each ommatidium, columns with names that say the unit; it keeps everything.
+    Commas, semicolons or tabs are between the cells, by the header; decimals may have commas where
+    these are not.
     `.gltf`, `.glb`: the Open Compound Eye Standard (glTF extension ``OCES_eyes``), with everything
     that Omma wrote. Anything else is an `.eye` file: position x y z, axis x y z, acceptance angle
     (rad), focal offset; spaces, tabs or commas; comments from ``#``; its frame is x right, y up, z
@@ -33,17 +46,30 @@ def load_eye(path: PathLike, unit: str | float = "mm", *, head: str | int | None
         unit: unit of lengths in an `.eye` file: "mm", "um", "m" or a number of metres. The other
             formats say theirs themselves.
         head: name or number of the head whose eyes are meant, where an OCES file has several.
+        missing_acceptance: what becomes of ommatidia of a `.csv` file that have neither an
+            acceptance angle (the cell is empty, NaN, NA, none or null) nor a kernel: "refuse" them,
+            or "neighbours", the mean of the six with an acceptance angle, of the same eye, that
+            look nearest. That is no measurement: it says what those around are like.
 
     Raises:
         omma.Error: the file is missing or wrong; it names the file and says where in it.
 
     Warns:
-        UserWarning: numbers that no animal has, mostly in another unit.
+        UserWarning: numbers that no animal has, mostly in another unit; acceptance angles of 0
+            beside others; columns of a `.csv` file that look like positions, facet diameters or the
+            like and have other names than those that are read; how many acceptance angles were
+            filled, and by what.
     """
     metres = metres_per_unit(unit)
     if head is not None and Path(os.fsdecode(path)).suffix.lower() not in OCES_SUFFIXES:
         raise Error(f"{os.fsdecode(path)}: only .gltf and .glb files have heads to choose from")
-    eye = _core.load_eye(path, metres, "" if head is None else str(head))
+    fill_gaps = one_of(missing_acceptance, MISSING_ACCEPTANCE, "missing_acceptance") != "refuse"
+    if Path(os.fsdecode(path)).suffix.lower() == ".csv":
+        eye = load_csv(path, fill_gaps=fill_gaps)
+    elif fill_gaps:
+        raise Error(f"{os.fsdecode(path)}: only .csv files can have gaps in acceptance angles")
+    else:
+        eye = _core.load_eye(path, metres, "" if head is None else str(head))
     warn_of_unusual(eye)
     return eye
 
@@ -57,8 +83,20 @@ def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
 def warn_of_unusual(eye: Eye) -> None:
     """Tell the caller of the package which numbers of an eye no animal has: slips of units,
     mostly."""
-    for sentence in _core.unusual_of(eye):
+    for sentence in (*_core.unusual_of(eye), *without_width(eye)):
         warn_caller(f"{eye.path or 'eye'}: {sentence}", UserWarning)
+
+
+def without_width(eye: Eye) -> list[str]:
+    """What there is to tell of acceptance angles of 0 beside others, which are gaps of a table,
+    mostly. Where all are 0, rays are meant."""
+    none = (eye.acceptance_angle_rad == 0) & (eye.acceptance_of < 0)
+    if not none.any() or none.all():
+        return []
+    return [
+        f"the acceptance angle of {np.count_nonzero(none):,} of {len(eye):,} ommatidia is 0, that "
+        f"of number {none.argmax()} first: each is one ray without width, which catches no photons"
+    ]
 
 
 @checked

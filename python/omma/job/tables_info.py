@@ -17,7 +17,8 @@ from omma.base.poses import ANGLE_COLUMNS, QUATERNION_COLUMNS, load_poses
 from omma.job.extents import size_words
 from omma.job.places import place_words
 from omma.job.results_info import Lines
-from omma.light.spectrum_files import is_wavelength_name, load_spectra
+from omma.light.spectrum_files import load_spectra
+from omma.light.spectrum_tables import is_wavelength_name
 from omma.motion.tracks import load_track
 
 # Lines in which a header is looked for, and spectra that are named.
@@ -158,7 +159,7 @@ def _unit(name: str, largest: float) -> str:
                 '"as_is" for other numbers, such as an irradiance'
             )
     if any("are taken as" in str(one.message) for one in told):
-        said = "as the values look"
+        said = 'as the values look; unit="as_is" if they are an irradiance or the like'
     else:
         said = "as the file says"
     return f"{'per cent' if largest > 2 * taken else 'fractions'}, {said}"

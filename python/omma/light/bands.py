@@ -282,9 +282,11 @@ class Bands:
             raise Error("wavelength_nm: expected wavelengths that ascend")
         used = self.wavelength_nm[np.any(self.weight > 0, axis=0)]
         if used[0] < knots[0] or used[-1] > knots[-1]:
+            low, high = used[[0, -1]] if self.edges_nm is None else self.edges_nm[[0, -1]]
             raise Error(
-                f"spectrum: expected values from {used[0]:g} to {used[-1]:g} nm, where the bands "
-                f"are, found {knots[0]:g} to {knots[-1]:g} nm"
+                f"spectrum: expected values from {low:g} to {high:g} nm, where the bands are, "
+                f"found {knots[0]:g} to {knots[-1]:g} nm; give bands within these, or values as "
+                "far as those reach"
             )
         cell = np.zeros(len(self.wavelength_nm)) if self.cell_nm is None else self.cell_nm
         return means_of_pieces(knots, values, self.wavelength_nm, cell)

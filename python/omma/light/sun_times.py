@@ -245,7 +245,12 @@ def _depth(twilight: str) -> float:
 
 
 def _checked_day(day: Any) -> date:
-    if isinstance(day, datetime) or not isinstance(day, date):
+    if isinstance(day, datetime):
+        raise TypeError(
+            f"date: expected a datetime.date, found a datetime {day.isoformat(' ', 'minutes')}; "
+            "its .date() is the day"
+        )
+    if not isinstance(day, date):
         raise TypeError(f"date: expected a datetime.date, found {day!r:.40}")
     if not FIRST_YEAR < day.year < LAST_YEAR:
         raise Error(

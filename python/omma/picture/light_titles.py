@@ -36,6 +36,8 @@ def light_title(light: Light) -> str:
         if isinstance(value, (int, float)):
             unit = _UNITS.get(ending, "")
             value = _within_a_turn(value) if key.endswith("azimuth_deg") else value
+            # Hundredths, as times are told to the minute, in which the sun goes a quarter degree.
+            value = round(value, 2) if ending == "deg" else value
             words.append(f"{(quantity if unit else key).replace('_', ' ')} {value:g}{unit}")
         elif key == "haze_kind":
             words.append(f"{value} haze")

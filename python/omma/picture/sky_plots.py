@@ -73,7 +73,9 @@ def plot_sky(
     bands = _bands_drawn(light.bands, wavelengths_nm)
     positive(size_mm, "size_mm")
     with figure_style(max(3.0, 7 * size_mm / 180)):
-        called = title or textwrap.fill(light_title(light), _LETTERS)
+        called = title or light_title(light)
+        if "\n" not in called:
+            called = textwrap.fill(called, _LETTERS)
         save(_figure(light, bands, called, size_mm), names)
 
 
@@ -184,6 +186,9 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
     figure = load_matplotlib()(
         figsize=(size_mm * MM, size_mm * MM * (0.25 * len(bands) + 0.27)), layout="constrained"
     )
+    # Labels of bars of colours reach beyond what the layout knows of.
+    layout: Any = figure.get_layout_engine()
+    layout.set(rect=(0, 0, 0.98, 1))
     figure.suptitle(title)
     grid = figure.add_gridspec(len(bands) + 1, 3, height_ratios=[1.0] * len(bands) + [0.8])
     span = np.linspace(-1, 1, _PIXELS)
@@ -209,6 +214,7 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
         skies[0], ("radiance", "degree of polarisation", "angle of polarisation"), strict=True
     ):
         panel.set_title(name)
+    _note(skies[-1][0], "as seen from above, like a map of land: east at the right")
     _spectra(figure.add_subplot(grid[-1, :]), light)
     return figure
 
@@ -249,8 +255,7 @@ def _angle(figure: Any, panel: Any, angle_deg: Floats, degree: Floats) -> None:
         panel.text(0, 0, "unpolarised", ha="center", va="center", color=GREY)
         return
     if np.any(np.isnan(shown) & np.isfinite(angle_deg)):
-        note = f"white: less than {_LEAST_POLARISED:.0%} polarised"
-        panel.text(0, -1.24, note, ha="center", va="top", fontsize="x-small", color=GREY)
+        _note(panel, f"white: less than {_LEAST_POLARISED:.0%} polarised")
     # The electric vector, as it lies in the map: up points to the middle.
     rings = [(r, k / n * 2 * np.pi) for r, n in ((0.2, 6), (0.45, 14), (0.7, 22), (0.93, 30))
              for k in range(n)]  # fmt: skip
@@ -264,6 +269,10 @@ def _angle(figure: Any, panel: Any, angle_deg: Floats, degree: Floats) -> None:
         inwards, sideways = np.array([-x, -y]) / r, np.array([y, -x]) / r
         half = 0.05 * (np.cos(psi) * inwards + np.sin(psi) * sideways)
         panel.plot([x - half[0], x + half[0]], [y - half[1], y + half[1]], color="k", linewidth=0.7)
+
+
+def _note(panel: Any, text: str) -> None:
+    panel.text(0, -1.24, text, ha="center", va="top", fontsize="x-small", color=GREY)
 
 
 def _bar(figure: Any, image: Any, panel: Any, label: str) -> Any:
@@ -315,11 +324,20 @@ def _on_map(towards: Floats) -> tuple[float, float]:
     return r * float(np.sin(np.radians(azimuth))), r * float(np.cos(np.radians(azimuth)))
 
 
+def _disc_name(light: Light) -> str:
+    """Whose the discs are, where the light was made by one sky alone."""
+    name, arguments = light.recipe or ("", {})
+    within = arguments.get("light")
+    if isinstance(within, Light) and name != "plus":
+        return _disc_name(within)
+    return {"clear_sky": "sun", "cloudy_sky": "sun", "moonlit_sky": "moon"}.get(name, "sun or moon")
+
+
 def _spectra(panel: Any, light: Light) -> None:
     sky, discs = light.irradiance()
     curves = [("sky", sky, COLOURS[0])]
     if light.discs:
-        curves.append(("sun or moon", discs, COLOURS[1]))
+        curves.append((_disc_name(light), discs, COLOURS[1]))
         curves.append(("both", sky + discs, INK))
     for name, values, colour in curves:
         if np.any(values > 0):

@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
+from omma.base.warn import warn_caller
 from omma.light.lights import Light
 from omma.receptors.rhabdoms import rhabdom_share
 from omma.receptors.sensitivity import (
     of_each_sensitivity,
+    ommatidium_of_receptor,
     receptor_optical_sensitivity,
     sensitivity_integral_nm,
 )
@@ -63,6 +65,9 @@ def photon_catch(
         omma.Error: light in watts, responses of another number of receptors, an eye without
             receptors, or one in which the facet of a receptor or its absorption or length is not
             known; another word for ``field``, or a compoundray, which has no solid angle.
+
+    Warns:
+        UserWarning: receptors whose acceptance angle is 0 catch nothing.
     """
     if light.unit != "photons":
         raise Error(f"light: expected one in photons, as catches are, found {light.unit}")
@@ -70,6 +75,14 @@ def photon_catch(
     sensitivity = receptor_optical_sensitivity(eye, monochromatic=True, field=field)
     if len(sensitivity) == 0 or np.any(np.isnan(sensitivity)):
         raise Error(_what_lacks(eye))
+    none = np.flatnonzero(sensitivity == 0)
+    if len(none):
+        warn_caller(
+            f"photon_catch: {len(none):,} of {len(sensitivity):,} receptors, of ommatidium "
+            f"{ommatidium_of_receptor(eye)[none[0]]} first, catch no photons, as their acceptance "
+            "angle is 0: one ray without width",
+            UserWarning,
+        )
     time_s = _times(integration_time_s, len(sensitivity))
     answers = array_of(responses, "responses")
     if answers.shape[-1:] != sensitivity.shape:

@@ -1,0 +1,212 @@
+"""Eyes from CSV files as others write them: with semicolons or tabs between cells, decimal commas,
+gaps in what was measured, and names of columns that are not read.
+
+The engine reads commas and points. What differs is written anew beside, line for line, and read
+from there.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from omma import _core
+from omma._core import Error, Eye
+from omma.base.directions import angle_of_chord
+from omma.base.files import PathLike, open_text
+from omma.base.tables import MISSING, decimal_point, separator_of
+from omma.base.warn import warn_caller
+from omma.eye.alike_columns import instead_of_needed, left_unread
+
+# Of how many nearest ommatidia a gap is filled.
+_NEAREST = 6
+_ACCEPTANCE = "acceptance_angle_"
+
+
+@dataclass
+class _Table:
+    """The records of a CSV file, the header first, and the line that each begins in."""
+
+    comments: str
+    records: list[list[str]]
+    lines: list[int]
+    between: str
+
+    @property
+    def names(self) -> list[str]:
+        """Of the columns."""
+        return self.records[0]
+
+    def gaps(self) -> list[int]:
+        """Numbers of the ommatidia that have neither an acceptance angle nor a kernel."""
+        column = next((k for k, one in enumerate(self.names) if one.startswith(_ACCEPTANCE)), None)
+        if column is None:
+            return []
+        kernel = self.names.index("kernel") if "kernel" in self.names else len(self.names)
+        return [
+            number
+            for number, cells in enumerate(self.records[1:])
+            if column < len(cells)
+            and cells[column].lower() in MISSING
+            and (kernel >= len(cells) or not cells[kernel])
+        ]
+
+    def text(self, filled: list[int]) -> str:
+        """With commas and points, each record in its line; those without an angle have 0."""
+        made = io.StringIO()
+        made.write(self.comments)
+        writer = csv.writer(made, lineterminator="\n")
+        column = next((k for k, one in enumerate(self.names) if one.startswith(_ACCEPTANCE)), 0)
+        gaps = set(filled)
+        line = self.lines[0]
+        for number, (cells, at) in enumerate(zip(self.records, self.lines, strict=True), start=-1):
+            made.write("\n" * (at - line))
+            if number >= 0 and self.between != ",":
+                cells = [decimal_point(cell) for cell in cells]
+            if number in gaps:
+                cells = [*cells[:column], "0", *cells[column + 1 :]]
+            writer.writerow(cells)
+            line = at + 1 + sum(cell.count("\n") for cell in cells)
+        return made.getvalue()
+
+
+def load_csv(path: PathLike, *, fill_gaps: bool) -> Eye:
+    """An eye from a CSV file; ``fill_gaps``: acceptance angles that lack are the mean of those that
+    look nearest.
+
+    Raises:
+        omma.Error: it cannot be read; it says what may help.
+    """
+    name = os.fsdecode(path)
+    header = _header(path)
+    between = "," if "," in header else separator_of(header)
+    try:
+        if between == "," and not fill_gaps:
+            eye = _core.load_eye(path, 1e-3, "")
+        else:
+            eye = _read_anew(_read(path, between), name, fill_gaps)
+    except Error as error:
+        raise Error(f"{error}{_hint(path, between, str(error))}") from None
+    for sentence in left_unread(_cells(header, between)):
+        warn_caller(f"{name}: {sentence}", UserWarning)
+    return eye
+
+
+def _header(path: PathLike) -> str:
+    """The first line that is no comment; "" where there is none or the file cannot be read, of
+    which the engine's reader tells."""
+    try:
+        lines = open_text(path)
+    except Error:
+        return ""
+    return next((one.strip() for one in lines if one.strip() and not one.startswith("#")), "")
+
+
+def _cells(line: str, between: str) -> list[str]:
+    try:
+        read = next(csv.reader([line], delimiter=between, skipinitialspace=between != "\t"), [])
+    except csv.Error:  # a cell of megabytes
+        return []
+    return [cell.strip() for cell in read]
+
+
+def _read(path: PathLike, between: str) -> _Table:
+    lines = list(open_text(path))
+    first = next(
+        (k for k, one in enumerate(lines) if one.strip() and not one.startswith("#")), len(lines)
+    )
+    records, begins = [], []
+    for line, cells in _records(lines[first:], between, os.fsdecode(path), first):
+        if cells:
+            records.append([cell.strip() for cell in cells])
+            begins.append(line)
+    if not records:
+        raise Error(f"{os.fsdecode(path)}: expected a header, found none")
+    return _Table("".join(lines[:first]), records, begins, between)
+
+
+def _records(
+    lines: list[str], between: str, name: str, before: int
+) -> Iterator[tuple[int, list[str]]]:
+    """The line that each record begins in, counted from 1 in the whole file, and its cells."""
+    reader = csv.reader(lines, delimiter=between, skipinitialspace=between != "\t")
+    while True:
+        line = before + reader.line_num + 1
+        try:
+            cells = next(reader, None)
+        except csv.Error as error:
+            raise Error(f"{name}, line {line}: is not CSV: {error}") from None
+        if cells is None:
+            return
+        yield line, cells
+
+
+def _read_anew(table: _Table, name: str, fill_gaps: bool) -> Eye:
+    gaps = table.gaps() if fill_gaps else []
+    try:
+        with tempfile.TemporaryDirectory(prefix="omma-eye-") as folder:
+            copy = os.path.join(folder, "eye.csv")
+            with open(copy, "w", encoding="utf-8", newline="") as file:
+                file.write(table.text(gaps))
+            try:
+                eye = _core.load_eye(copy, 1e-3, "")
+            except Error as error:
+                raise Error(str(error).replace(copy, name)) from None
+    except OSError as error:
+        raise Error(f"{name}: cannot be written anew: {error.strerror}: {error.filename}") from None
+    return _filled(eye.replace(path=name), gaps)
+
+
+def _filled(eye: Eye, gaps: list[int]) -> Eye:
+    """The eye with acceptance angles where there are gaps."""
+    if not gaps:
+        return eye
+    angle = eye.acceptance_angle_rad.astype(np.float64)
+    axis = eye.axis.astype(np.float64)
+    known = (eye.acceptance_of < 0) & (angle > 0)
+    known[gaps] = False
+    farthest = 0.0
+    for gap in gaps:
+        others = np.flatnonzero(known & (eye.eye_id == eye.eye_id[gap]))
+        if len(others) == 0:
+            raise Error(
+                f"{eye.path}: expected acceptance angles of some ommatidia of eye "
+                f"{eye.eye_id[gap]}, found none to fill the others by"
+            )
+        chord = np.linalg.norm(axis[others] - axis[gap], axis=1)
+        nearest = np.argsort(chord, kind="stable")[:_NEAREST]
+        angle[gap] = angle[others[nearest]].mean()
+        farthest = max(farthest, float(chord[nearest].max()))
+    warn_caller(
+        f"{eye.path}: {len(gaps):,} of {len(eye):,} ommatidia without an acceptance angle have the "
+        f"mean of the {_NEAREST} with one that look nearest, up to "
+        f"{np.degrees(angle_of_chord(np.array(farthest))):.3g} degrees off",
+        UserWarning,
+    )
+    own = [eye.acceptances[k] if k >= 0 else None for k in eye.acceptance_of.tolist()]
+    return eye.replace(acceptance_angle_rad=angle, acceptance=own)
+
+
+def _hint(path: PathLike, between: str, message: str) -> str:
+    """What may help a file that was refused, for the end of the error."""
+    try:
+        table = _read(path, between)
+    except Error:
+        return ""
+    gaps = table.gaps()
+    if gaps and re.search(rf"line {table.lines[1 + gaps[0]]}\b", message):
+        return (
+            f"; {len(gaps):,} of {len(table.records) - 1:,} ommatidia lack one: "
+            'load_eye(missing_acceptance="neighbours"), or omma eye convert --missing-acceptance '
+            f"neighbours, gives them the mean of the {_NEAREST} that look nearest"
+        )
+    if "found none" in message and f"line {table.lines[0]}:" in message:
+        return instead_of_needed(table.names)
+    return ""
