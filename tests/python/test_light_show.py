@@ -268,7 +268,7 @@ def test_any_light_that_is_rendered_under(tmp_path, run_omma, monkeypatch, words
     from omma.scene.light_words import parse_light
 
     drawn = []
-    monkeypatch.setattr(command, "plot_sky", lambda names, light, nm: drawn.append(light))
+    monkeypatch.setattr(command, "plot_sky", lambda names, light, nm, **_: drawn.append(light))
     code, _, err = run_omma("light", "show", "--light", words, "-o", str(tmp_path / "sky.png"))
     assert (code, err) == (0, "")
     assert drawn == [parse_light(words, omma.light.Bands.from_edges(EDGES_NM))["light"]]
