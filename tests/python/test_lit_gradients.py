@@ -13,7 +13,6 @@ from test_eye_discs import (
     RADIUS_RAD,
     Floats,
     empty,
-    expected,
     off_axis,
     points_on_sun,
     screen,
@@ -130,11 +129,18 @@ def test_the_sun_in_water() -> None:
     assert (np.median(error, axis=1) < 0.1 * share * np.abs(exact[:, 1]).max()).all()
 
 
-def test_responses_are_those_of_a_render() -> None:
-    axes = np.stack([off_axis(x, TURN_RAD) for x in (0.0, 1.0, 2.0)])
-    world = omma.World(empty(), light=sun(), lighting="path")
-    found = found_by(world, axes, 2.6).responses[0, :, 0]
-    assert found == pytest.approx([expected(axis, 2.6) for axis in axes], rel=2e-3)
+def test_single_rays_have_what_is_seen_beside_them() -> None:
+    """Their mean is the response: of the sun, which no ray brings, alone and in water."""
+    for world, towards in ((omma.World(empty(), light=sun(), lighting="path"), off_axis),
+                           (pond(sun_ahead()), towards_image)):  # fmt: skip
+        axes = np.stack([towards(x) for x in (0.0, 1.0, 2.0)])
+        eye = omma.Eye(np.zeros_like(axes), axes, np.radians(2.6))
+        renderer = omma.Renderer(world, eye, omma.Fixed(16))
+        rays = renderer.render_rays(np.eye(4))
+        assert (rays > 0).all()
+        response = renderer.render(np.eye(4))
+        # Sums of 16 floats in another order.
+        assert rays.mean(axis=2, dtype=float) == pytest.approx(response, rel=1e-5)
 
 
 def test_against_differences_in_a_lit_meadow() -> None:

@@ -238,7 +238,8 @@ def render_rays(
     call = Call.of(self, poses, moves, first_pose, progress)
     samples = fixed_samples(self.settings.sampling, "render_rays")
     rays = np.empty((*call.size, samples, self.bands), np.float32)
-    beside = call.new_beside()
+    beside = call.new_beside() if self.world.light is not None else None
     call.render(call.new_frames(), ray_radiance=rays, beside_rays=beside)
-    rays += beside[:, :, :1]  # in each ray alike, so that their mean is the response
+    if beside is not None:
+        rays += beside[:, :, :1]  # in each ray alike, so that their mean is the response
     return rays

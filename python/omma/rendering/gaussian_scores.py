@@ -53,7 +53,7 @@ class Moments:
     """Light about axes, of which derivatives are linear, for what a sensitivity p lets in."""
 
     light: Floats
-    """(P, estimate, N, ..), the mean of L."""
+    """(P, estimate, N, ..), the mean of L; of what counts for 1, 1."""
     squares: Floats
     """(P, estimate, N, ..), that of L ϑ²."""
     towards: Floats
