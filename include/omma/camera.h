@@ -18,6 +18,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "omma/eye.h"
 #include "omma/render.h"
@@ -74,6 +75,6 @@ void render_camera(const World& world, const Camera& camera, const CameraSetting
 
 // The camera of that name as find_camera has it or, where none has it and it is a number, the
 // camera with that index. Throws omma::Error that lists both.
-const Camera& choose_camera(const Scene& scene, const std::string& name_or_index);
+const Camera& choose_camera(const Scene& scene, std::string_view name_or_index);
 
 }  // namespace omma

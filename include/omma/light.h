@@ -70,6 +70,9 @@ struct Light {
   // [band], m^-1, of the air between surfaces: haze, mist, fog, which shows the sky's horizon
   // (physics/path/air.h); empty: clear.
   std::vector<double> extinction_per_m;
+  // Whether that air goes on below without end, as deep water does: who looks down sees the sky
+  // below the horizon in place of the horizon.
+  bool bottomless = false;
   std::shared_ptr<const CloudShadow> cloud_shadow;  // null: none
   // [material of the scene, and at the end of meshes without one], reflectance below 400 nm of what
   // is known in RGB only, as weights of linear red, green, blue and of 1; empty: none reflects any.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "omma/scene_kinds.h"
@@ -243,6 +244,6 @@ std::uint64_t splat_count(const Scene& scene);
 
 // The camera whose node, or else which itself, has that name; throws omma::Error that lists the
 // names and indices there are, or where several have it.
-const Camera& find_camera(const Scene& scene, const std::string& name);
+const Camera& find_camera(const Scene& scene, std::string_view name);
 
 }  // namespace omma

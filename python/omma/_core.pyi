@@ -1469,7 +1469,7 @@ class Light:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: numpy.typing.ArrayLike | None, cloud_shadow: tuple[numpy.typing.ArrayLike, float, float, numpy.typing.ArrayLike] | None, ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None: ...
+    def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, sky: numpy.typing.ArrayLike | None, band_from_channel: numpy.typing.ArrayLike | None, discs: Iterable[tuple[numpy.typing.ArrayLike, float, numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: numpy.typing.ArrayLike | None, cloud_shadow: tuple[numpy.typing.ArrayLike, float, float, numpy.typing.ArrayLike] | None, ultraviolet: numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0, bottomless: bool = False) -> None: ...
 
     @property
     def wavelength_nm(self, /) -> numpy.typing.NDArray[numpy.float64]:

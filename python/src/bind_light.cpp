@@ -94,7 +94,7 @@ std::shared_ptr<const CloudShadow> cloud_shadow_argument(nb::handle given) {
 Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, nb::handle unit,
                nb::handle sky, nb::handle band_from_channel, nb::handle discs,
                nb::handle extinction_per_m, nb::handle cloud_shadow, nb::handle ultraviolet,
-               nb::handle emission_cd_m2) {
+               nb::handle emission_cd_m2, bool bottomless) {
   Light light;
   light.bands.wavelength_nm = vector_of(double_array(wavelength_nm, "wavelength_nm", {-1}));
   light.bands.weight = vector_of(double_array(
@@ -113,6 +113,7 @@ Light light_of(nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm, 
       std::copy_n(weights.data() + 4 * i, 4, light.ultraviolet[i].begin());
   }
   light.emission_cd_m2 = number_argument(emission_cd_m2, "emission_cd_m2");
+  light.bottomless = bottomless;
   return light;
 }
 
@@ -167,25 +168,27 @@ void bind_light(nb::module_& m) {
       "        node, m), of clouds that shade what lies below them from discs; None: none do.\n"
       "    ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below\n"
       "        400 nm of what is known in RGB only, as weights of red, green, blue and 1.\n"
-      "    emission_cd_m2: what white emission of 1 is, cd m^-2.\n\n"
+      "    emission_cd_m2: what white emission of 1 is, cd m^-2.\n"
+      "    bottomless: whether the air between surfaces goes on below without end, as water "
+      "does.\n\n"
       "Raises `omma.Error` that names the argument.")
       .def(
           "__init__",
           [](Light* self, nb::handle wavelength_nm, nb::handle weight, nb::handle cell_nm,
              nb::handle unit, nb::handle sky, nb::handle band_from_channel, nb::handle discs,
              nb::handle extinction_per_m, nb::handle cloud_shadow, nb::handle ultraviolet,
-             nb::handle emission_cd_m2) {
+             nb::handle emission_cd_m2, bool bottomless) {
             Light made =
                 light_of(wavelength_nm, weight, cell_nm, unit, sky, band_from_channel, discs,
-                         extinction_per_m, cloud_shadow, ultraviolet, emission_cd_m2);
+                         extinction_per_m, cloud_shadow, ultraviolet, emission_cd_m2, bottomless);
             run_long_work([&] { validate_light(made, made.ultraviolet.size()); });
             new (self) Light(std::move(made));
           },
           nb::arg("wavelength_nm"), nb::arg("weight"), nb::arg("cell_nm").none(), nb::arg("unit"),
           nb::arg("sky").none(), nb::arg("band_from_channel").none(), nb::arg("discs"),
           nb::arg("extinction_per_m").none(), nb::arg("cloud_shadow").none(),
-          nb::arg("ultraviolet").none(),
-          nb::arg("emission_cd_m2") = 1.0,
+          nb::arg("ultraviolet").none(), nb::arg("emission_cd_m2") = 1.0,
+          nb::arg("bottomless") = false,
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, weight: "
                   "numpy.typing.ArrayLike, cell_nm: numpy.typing.ArrayLike | None, unit: str, "
                   "sky: numpy.typing.ArrayLike | None, "
@@ -194,7 +197,8 @@ void bind_light(nb::module_& m) {
                   "numpy.typing.ArrayLike, numpy.typing.ArrayLike | None]], extinction_per_m: "
                   "numpy.typing.ArrayLike | None, cloud_shadow: tuple[numpy.typing.ArrayLike, "
                   "float, float, numpy.typing.ArrayLike] | None, ultraviolet: "
-                  "numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0) -> None"))
+                  "numpy.typing.ArrayLike | None, emission_cd_m2: float = 1.0, "
+                  "bottomless: bool = False) -> None"))
       .def_prop_ro(
           "wavelength_nm",
           [](Self self) {
@@ -247,6 +251,7 @@ void bind_light(nb::module_& m) {
           nb::for_getter(nb::sig(
               "def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None")),
           "Read-only, (B,); or None.")
+      .def_ro("bottomless", &Light::bottomless)
       .def_prop_ro(
           "cloud_shadow",
           [](Self self) -> nb::object {

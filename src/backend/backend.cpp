@@ -5,13 +5,14 @@
 
 namespace omma {
 
-const Backend& find_backend(const std::string& name) {
+const Backend& find_backend(std::string_view name) {
   std::string names;
   for (const Backend& backend : backends()) {
     if (name.empty() || name == backend.name) return backend;
     names += (names.empty() ? "" : ", ") + std::string(backend.name);
   }
-  throw Error("backend: expected one that is built in (" + names + "), found \"" + name + "\"");
+  throw Error("backend: expected one that is built in (" + names + "), found \"" +
+              std::string(name) + "\"");
 }
 
 void expect_no_devices(const char* backend, std::span<const int> devices) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "backend/launches.h"
@@ -44,7 +45,7 @@ struct Backend {
 std::span<const Backend> backends();
 
 // The one of that name, "" for the fastest; throws omma::Error that lists them.
-const Backend& find_backend(const std::string& name);
+const Backend& find_backend(std::string_view name);
 
 // Of a processor: throws omma::Error where there are any.
 void expect_no_devices(const char* backend, std::span<const int> devices);

@@ -218,6 +218,7 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   data->extinction_per_m.assign(light.extinction_per_m.begin(), light.extinction_per_m.end());
   if (!light.extinction_per_m.empty())
     data->view.extinction_per_m = data->extinction_per_m.data();
+  data->view.bottomless = light.bottomless;
   data->clouds = light.cloud_shadow;
   const double distance_m = std::max(placement.half_size_m, 1e-6);
   const std::array<std::vector<double>, 3> sent = {

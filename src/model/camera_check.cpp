@@ -134,7 +134,7 @@ Eye camera_rays(const Camera& camera, PictureSize size, int first_row, int rows,
   return eye;
 }
 
-const Camera& choose_camera(const Scene& scene, const std::string& name_or_index) {
+const Camera& choose_camera(const Scene& scene, std::string_view name_or_index) {
   const auto is_called_so = [&](const Camera& camera) {
     return camera.name == name_or_index || camera.data_name == name_or_index;
   };

@@ -370,7 +370,7 @@ std::uint64_t splat_count(const Scene& scene) {
   return count;
 }
 
-const Camera& find_camera(const Scene& scene, const std::string& name) {
+const Camera& find_camera(const Scene& scene, std::string_view name) {
   const std::string place = scene.path.empty() ? "scene" : scene.path;
   // Node names first: a camera under several nodes has one name of its own and several of those.
   for (std::string Camera::*kind : {&Camera::name, &Camera::data_name}) {
@@ -382,11 +382,11 @@ const Camera& find_camera(const Scene& scene, const std::string& name) {
       found = i;
     }
     if (count > 1)
-      throw Error(place + ": " + std::to_string(count) + " cameras are called \"" + name +
-                  "\": " + indices);
+      throw Error(place + ": " + std::to_string(count) + " cameras are called \"" +
+                  std::string(name) + "\": " + indices);
     if (count == 1) return scene.cameras[found];
   }
-  std::string message = place + ": there is no camera \"" + name + "\"; ";
+  std::string message = place + ": there is no camera \"" + std::string(name) + "\"; ";
   if (scene.cameras.empty()) throw Error(message + "the scene has none");
   message += "there are";
   for (std::size_t i = 0; i < scene.cameras.size(); ++i)

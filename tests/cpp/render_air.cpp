@@ -132,6 +132,39 @@ TEST(Air, ShowsTheHorizonOfEachAzimuth) {
   }
 }
 
+// In deep water black things fade to what lies below in their own direction, and above the horizon
+// still to the horizon.
+TEST(Air, ShowsWhatIsBelowWhereItIsBottomless) {
+  Lighting lighting = in_air(0, 0);
+  lighting.light.bottomless = true;
+  // Each half by its row and band: nodes every 22.5 degrees, linear between.
+  const auto node = [](int half, int row, int band) {
+    return row == 0 ? 2.0 : half == 0 ? 100.0 : 2.0 - 0.3 * row + band;
+  };
+  lighting.light.sky = made_sky(
+      8, 5, 1, 3, [&](int half, int row, int, int, int band) { return node(half, row, band); });
+  Scene scene;
+  scene.materials = {matter(0)};
+  scene.meshes = {cube_seen_from_inside(2, 0)};
+  scene.instances.emplace_back().mesh = 0;
+  const World world = made_world(scene, lighting);
+  const std::vector<Vec3d> directions = sphere_directions(500);
+  const std::vector<float> found = seen(world, make_eye(directions, 0));
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const Vec3d& d = directions[i];
+    const double distance = 2 / std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+    const double at = std::asin(std::min(1.0, std::max(0.0, -d.y))) / (pi / 8);
+    const int row = std::min(3, static_cast<int>(at));
+    for (int b = 0; b < 3; ++b) {
+      const double j = node(1, row, b) + (at - row) * (node(1, row + 1, b) - node(1, row, b));
+      const double sigma = extinction[static_cast<std::size_t>(b)];
+      const double wanted = j * (1 - std::exp(-sigma * distance));
+      // Angles are found within 2e-7 rad, and single precision.
+      EXPECT_NEAR(static_cast<double>(found[3 * i + static_cast<std::size_t>(b)]), wanted, 1e-5);
+    }
+  }
+}
+
 // A lamp of 1 W sr^-1 beside the eye lights a white wall: rho I / (pi d^2), there and back.
 TEST(Air, DimsLamps) {
   Scene scene;

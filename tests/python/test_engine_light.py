@@ -25,6 +25,7 @@ def arguments(**changes: Any) -> dict[str, Any]:
         "extinction_per_m": [0.5, 0.25],
         "cloud_shadow": (np.arange(6, dtype=np.float32).reshape(2, 3), 30.0, 1000.0, (-5.0, 7.0)),
         "ultraviolet": [[0, 0, 1, 0], [0, 0, 0, 0.05]],
+        "bottomless": True,
     }
     return {**sound, **changes}
 
@@ -36,6 +37,7 @@ def test_what_is_given_comes_back_read_only() -> None:
     extinction, shadow = light.extinction_per_m, light.cloud_shadow
     discs, weight, wavelength_nm = light.discs, light.weight, light.wavelength_nm
     assert light.unit == "watts"
+    assert light.bottomless
     del light
     gc.collect()  # views keep what they look at
     assert sky is not None

@@ -334,6 +334,7 @@ class Light:
             "extinction_per_m": self.extinction_per_m,
             "cloud_shadow": self.cloud_shadow and self.cloud_shadow._for_engine(),
             "ultraviolet": None,
+            "bottomless": is_under_water(self),
         }
 
 

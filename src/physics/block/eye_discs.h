@@ -238,6 +238,18 @@ OMMA_HD double output_of(const FrameView& frame, int o, const double* light) {
   return sum;
 }
 
+// The square of its error, of bands whose squares these are: bands err together, as they share the
+// rays.
+OMMA_HD double square_of(const FrameView& frame, int o, const double* error_2) {
+  const int bands = frame.scene->bands, components = frame.scene->polarized ? 3 : 1;
+  if (frame.output_from_band == nullptr) return o < bands ? error_2[o] : 0;
+  double error = 0;
+  for (int b = 0; b < bands; ++b)
+    error +=
+        static_cast<double>(frame.output_from_band[o * bands * components + b]) * sqrt(error_2[b]);
+  return error * error;
+}
+
 // Adds what a replicate sees of discs that its rays leave out to memory.beside, the square of its
 // error to memory.beside_variance and its moments to memory.beside_moments.
 template <typename L, typename Search>
@@ -276,24 +288,9 @@ OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
     if (sums.any_open) add_disc_sums<L>(of, sums, of_band, memory.disc_moments);
   }
   if (!any) return;
-  const int components = frame.scene->polarized ? 3 : 1;
   for (int o = 0; o < frame.outputs; ++o) {
-    double sum = 0, squares = 0;
-    if (frame.output_from_band == nullptr) {
-      if (o >= bands) continue;
-      sum = of_band[o], squares = error_2[o];
-    } else {
-      // Bands err together, as they share the rays.
-      double error = 0;
-      for (int b = 0; b < bands; ++b) {
-        const auto weight = static_cast<double>(frame.output_from_band[o * bands * components + b]);
-        sum += weight * of_band[b];
-        error += weight * sqrt(error_2[b]);
-      }
-      squares = error * error;
-    }
-    memory.beside[o] += sum;
-    memory.beside_variance[o] += squares;
+    memory.beside[o] += output_of(frame, o, of_band);
+    memory.beside_variance[o] += square_of(frame, o, error_2);
     for (int m = 0; frame.beside_moments && m < axis_moments; ++m)
       memory.beside_moments[m * frame.outputs + o] +=
           output_of(frame, o, memory.disc_moments + m * bands);

@@ -5,7 +5,9 @@
 //
 // J what a level line of sight without end shows, so the sky at the horizon in the ray's azimuth,
 // with its polarisation (Koschmieder 1924, Theorie der horizontalen Sichtweite; Duntley 1948, The
-// reduction of apparent contrast by the atmosphere). Light from afar is as it arrives, through air.
+// reduction of apparent contrast by the atmosphere). Where a line of sight has no end below either,
+// in deep water, J of rays that go down is the sky in their own direction (Duntley 1963, Light in
+// the sea). Light from afar is as it arrives, through air.
 #pragma once
 
 #include "physics/lanes/powers.h"
@@ -57,11 +59,12 @@ OMMA_HD_CALLED void pass_air(const Flight<L, Search>& flight, const LitSurface<L
   const LaneMask<L> keeps =
       scene.polarized ? keeping_polarisation<L>(flight.state) & met : LaneMask<L>{};
 
-  // J: the horizon of the sky below or above each ray.
+  // J: the sky where a line of sight has no end, level or down; else its horizon below or above.
   alignas(n * 4) float level[3][n], axis[3][n] = {}, weight[n] = {};
   for (int l = 0; l < n; l += L::width) {
     const auto d = load_vector<F>(rays.direction, l);
-    store_vector(level, l, Vector3<F>{d.x, F{}, d.z});
+    const F down = scene.light->bottomless && any_lane(d.y < 0.0f) ? keep(d.y < 0.0f, d.y) : F{};
+    store_vector(level, l, Vector3<F>{d.x, down, d.z});
     store(weight + l, keep(met.at(l), load<F>(surface.alpha + l)));
   }
   SkyLookups<L> on_sky;

@@ -96,6 +96,7 @@ struct LightView {
   std::int32_t bands = 0;
   SkyView sky;
   const float* extinction_per_m = nullptr;  // [band], of the air (path/air.h); null: it is clear
+  bool bottomless = false;                  // omma::Light
   const DiscView* discs = nullptr;
   std::int32_t disc_count = 0;
   CloudShadowView clouds;  // cloud_shadow.h
