@@ -24,9 +24,9 @@ def main() -> None:
     lights = {
         "clear": clear,
         "air of the clear sky": with_air(clear),
-        "mist, 60 m": with_air(clear, 60),
+        "mist, 60 m": with_air(clear, 60, layer_height_m=0),
         "half clouded": clouded(clear, 0.5),
-        "half clouded, mist": with_air(clouded(clear, 0.5), 60),
+        "half clouded, mist": with_air(clouded(clear, 0.5), 60, layer_height_m=0),
     }
     scene = omma.load_scene(omma.examples.lit_meadow())
     pose = scene.cameras[0].world_from_camera

@@ -59,10 +59,11 @@ def main() -> None:
     figure = Figure(figsize=(9.2, 5.0), layout="constrained")
     grid = figure.add_gridspec(2, 3, height_ratios=[1.0, 1.35])
     clear = clear_sky(ELEVATION_DEG, sun_azimuth_deg=135)
+    overcast = overcast_sky(ELEVATION_DEG)
     airs = [
         ("the air of a clear sky", with_air(clear)),
-        ("mist, visibility 60 m", with_air(clear, 60)),
-        ("fog, visibility 15 m", with_air(overcast_sky(ELEVATION_DEG), 15)),
+        ("mist, visibility 60 m, 20 m high", with_air(clear, 60, layer_height_m=20)),
+        ("fog, visibility 15 m, 10 m high", with_air(overcast, 15, layer_height_m=10)),
     ]
     for k, (words, light) in enumerate(airs):
         panel = figure.add_subplot(grid[0, k])

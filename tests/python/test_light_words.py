@@ -37,9 +37,10 @@ def test_they_are_the_arguments_of_a_world():
         "ultraviolet": 0.02,
         "depth": 3,
     }
-    assert parse_light("overcast_sky sun_elevation_deg=35 visibility_m=150 ultraviolet=dark")[
-        "light"
-    ] == omma.light.with_air(omma.light.overcast_sky(35), 150)
+    fog = "overcast_sky sun_elevation_deg=35 visibility_m=150 layer_height_m=80 ultraviolet=dark"
+    assert parse_light(fog)["light"] == omma.light.with_air(
+        omma.light.overcast_sky(35), 150, layer_height_m=80
+    )
     at = parse_light(
         "clear_sky_at date_time=2026-06-21T12:00:00Z latitude_deg=52.5 longitude_deg=13.4"
     )["light"]

@@ -212,6 +212,23 @@ class TestDepth:
             np.testing.assert_allclose(contrast, np.exp(-c * distance_m), rtol=1e-3)
 
 
+    @pytest.mark.parametrize("down_deg", [20.0, 60.0, 90.0])
+    def test_black_floors_fade_into_the_water_below(self, down_deg):
+        """The same of what lies below, to the light that comes up from there without a floor."""
+        light = under_water(one_sun() + uniform_sky(10.0, bands=FEW), 3.0, "II")
+        towards = omma.eye.direction([0.0], [-down_deg])
+        eye = omma.Eye([(0, 0, 0)], towards, [0.0])
+        black = omma.scene.Material(base_color=(0, 0, 0, 1), specular=0.0)
+        for depth_m in (1.0, 20.0):
+            floor = omma.scene.plane((400, 400), center_m=(0, -depth_m, 0))
+            world = omma.World(floor.replace(materials=[black]), light=light, ultraviolet="dark")
+            seen = omma.Renderer(world, eye, sampling=omma.Fixed(1)).render(np.eye(4))[0, 0]
+            way_m = depth_m / np.sin(np.radians(down_deg))
+            contrast = 1 - seen / light.radiance(towards)[0, 0]
+            left = np.exp(-light.extinction_per_m * way_m)
+            np.testing.assert_allclose(contrast, left, rtol=1e-3, atol=2e-6)
+
+
 class TestWater:
     def test_particles_scatter_as_petzold_measured(self):
         angle = np.concatenate([[0], np.geomspace(1e-7, np.pi, 20000)])

@@ -60,10 +60,14 @@ def _water(arguments: Mapping[str, Any]) -> str:
 
 
 def _air(arguments: Mapping[str, Any]) -> str:
+    height_m = arguments.get("layer_height_m")
+    layer = f", {height_m:g} m high" if height_m else ""
     if arguments.get("extinction_per_m") is not None:
-        return "air as measured"
+        return f"air as measured{layer}"
     visibility_m = arguments.get("visibility_m")
-    return "its own air" if visibility_m is None else f"air of visibility {visibility_m:g} m"
+    if visibility_m is None:
+        return "its own air"
+    return f"air of visibility {visibility_m:g} m{layer}"
 
 
 def _within_a_turn(azimuth_deg: float) -> float:

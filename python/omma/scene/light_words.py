@@ -20,7 +20,7 @@ SKIES = (
 # What else a world is told of its light.
 OF_WORLD = ("lighting", "depth", "polarized", "ultraviolet", "sun", "emission_cd_m2")
 _BANDS = "bands"
-_AIR = "visibility_m"  # of `with_air`
+_AIR = ("visibility_m", "layer_height_m")  # of `with_air`
 # Bands that have names: how many, from which wavelength to which, nm. Of visible light alone no
 # material needs to say what it reflects in the ultraviolet.
 _NAMED_BANDS = {"visible": (12, 400.0, 700.0)}
@@ -32,9 +32,9 @@ def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
 
     The first word is a function of `omma.light`: `SKIES`. The others are its arguments by name
     (numbers, and times such as date_time=2026-06-21T12:00:00+02:00), how many ``bands`` of the same
-    width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, ``visibility_m`` of
-    `omma.light.with_air`, and ``lighting``, ``depth``, ``polarized``, ``ultraviolet``, ``sun`` and
-    ``emission_cd_m2`` of `omma.World`.
+    width there are from 300 to 700 nm, or bands=visible, 12 from 400 nm on, ``visibility_m`` and
+    ``layer_height_m`` of `omma.light.with_air`, and ``lighting``, ``depth``, ``polarized``,
+    ``ultraviolet``, ``sun`` and ``emission_cd_m2`` of `omma.World`.
 
     Args:
         bands: where the words do not say.
@@ -53,24 +53,24 @@ def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
     given: dict[str, Any] = {}
     for word in words[1:]:
         name, is_said, value = word.partition("=")
-        if not is_said or name not in (*known, _BANDS, _AIR, *OF_WORLD):
+        if not is_said or name not in (*known, _BANDS, *_AIR, *OF_WORLD):
             raise Error(
                 f"light: expected name=value, with a name of {', '.join(known)}, {_BANDS}, "
-                f"{_AIR}, {', '.join(OF_WORLD)}, found {word!r:.60}"
+                f"{', '.join((*_AIR, *OF_WORLD))}, found {word!r:.60}"
             )
         if name in given:
             raise Error(f"light: {name}: is said twice")
         given[name] = _value(name, value)
     of_world = {name: given.pop(name) for name in OF_WORLD if name in given}
-    visibility_m = given.pop(_AIR, None)
+    air = {name: given.pop(name) for name in _AIR if name in given}
     try:
         if _BANDS in given:
             given[_BANDS] = Bands.equal(*_NAMED_BANDS.get(given[_BANDS], (given[_BANDS],)))
         elif bands is not None:
             given[_BANDS] = bands
         light: Light = make(**given)
-        if visibility_m is not None:
-            light = skies.with_air(light, visibility_m)
+        if air:
+            light = skies.with_air(light, **air)
         checked_lighting(
             light, of_world.get("lighting"), of_world.get("depth"),
             of_world.get("polarized", False), of_world.get("ultraviolet"),
