@@ -297,11 +297,11 @@ class TestWater:
 
 class TestLightsUnderWater:
     def test_are_values(self):
-        light = under_water(with_air(uniform_sky(2.0, bands=FEW), 500.0), 2.0, "1C")
+        light = under_water(with_air(uniform_sky(2.0, bands=FEW), 5000.0), 2.0, "1C")
         assert pickle.loads(pickle.dumps(light)) == light
         assert "under_water(" in repr(light)
         other = omma.light.Bands.equal(2, 400, 700)
-        again = under_water(with_air(uniform_sky(2.0, bands=other), 500.0), 2.0, "1C")
+        again = under_water(with_air(uniform_sky(2.0, bands=other), 5000.0), 2.0, "1C")
         assert light.in_bands(other) == again
 
     def test_turn_with_the_sky(self):
