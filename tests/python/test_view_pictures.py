@@ -133,14 +133,16 @@ def test_what_shines_is_drawn_without_a_light(tmp_path):
     scene = omma.Scene(
         meshes=[
             box.replace(material=k, texture_coordinates=box.positions_m[:, :2])
-            for k in range(len(given))
+            for k in (*range(len(given)), None)
         ],
         materials=[one for one, _ in given],
         images=[omma.scene.Image(np.ones((2, 2, 4))), omma.scene.Image(np.ones((2, 2, 3)))],
         textures=[omma.scene.Texture(0), omma.scene.Texture(1)],
     )
     (tmp_path / "drawn.glb").write_bytes(drawn_scene(omma.World(scene)).still)
-    drawn = omma.load_scene(tmp_path / "drawn.glb").materials
+    scene = omma.load_scene(tmp_path / "drawn.glb")
+    *drawn, plain = (scene.materials[mesh.material] for mesh in scene.meshes)
+    assert (plain.unlit, plain.base_color) == (True, (1, 1, 1, 1))
     for one, (material_given, color) in zip(drawn, given, strict=True):
         assert one.unlit
         assert one.emissive == (0, 0, 0)

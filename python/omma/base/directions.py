@@ -34,7 +34,9 @@ def angle_of_chord(length: Floats | float) -> Floats:
 
 def normalized(vectors: Floats) -> Floats:
     """Vectors (..., 3) at length 1."""
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    # To the bits of `np.linalg.norm`, whose sums along so short an axis are slow.
+    return np.asarray(vectors / np.sqrt(x * x + y * y + z * z)[..., None])
 
 
 def tangents(axis: Floats) -> tuple[Floats, Floats]:

@@ -43,7 +43,7 @@ def drawn_scene(world: World) -> DrawnScene:
     scene = world.scene.replace(splats=())  # splat_scene.py has them
     placed = scene.instances  # a new list each time it is asked for
     if world.light is None:
-        scene = scene.replace(materials=[_as_seen_unlit(one) for one in scene.materials])
+        scene = _unlit(scene)
     groups = _groups(scene)
     of_world = world.instances
     # Where the file has what has been moved since.
@@ -72,6 +72,16 @@ def drawn_scene(world: World) -> DrawnScene:
     if scene.animations:
         notes.append("bones and morph targets are drawn as the file has them")
     return DrawnScene(drawn, tuple(moving), "; ".join(notes))
+
+
+def _unlit(scene: Scene) -> Scene:
+    """With materials that show what they are; meshes without one get one, or they would be lit."""
+    materials = [_as_seen_unlit(one) for one in scene.materials]
+    meshes = [
+        one if one.material is not None else one.replace(material=len(materials))
+        for one in scene.meshes
+    ]
+    return scene.replace(meshes=meshes, materials=[*materials, Material(unlit=True)])
 
 
 def _as_seen_unlit(material: Material) -> Material:
