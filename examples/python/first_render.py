@@ -37,7 +37,7 @@ print("mean radiance", responses.mean(axis=(0, 1)), "median standard error", np.
 
 # Files: the numbers, a table of them, and pictures to look at.
 np.save(out / "first_render.npy", responses)
-omma.save_responses(out / "first_render.csv", responses, head, errors)
+omma.save_responses(out / "first_render.csv", responses, head, errors, world=renderer.world)
 omma.save_png(out / "first_render.png", omma.picture.framed(head, responses))
 # With degrees, the scale and the errors beside: pip install 'omma[plots]'.
 omma.picture.plot_responses(

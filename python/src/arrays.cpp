@@ -27,6 +27,7 @@ InputArray<T> to_array(nb::handle object, const char* name, const char* dtype,
   const std::string expected = std::string(name) + ": expected " +
                                (shape.size() == 0 ? "a number" : "numbers of shape ") +
                                (shape.size() == 0 ? "" : shape_text(shape));
+  if (object.is_none()) throw Error(expected + ", found None");
   nb::object array;
   try {
     const nb::module_ numpy = nb::module_::import_("numpy");

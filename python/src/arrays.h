@@ -28,6 +28,12 @@ InputArray<double> double_array(nb::handle object, const char* name,
 InputArray<std::int32_t> int_array(nb::handle object, const char* name,
                                    std::initializer_list<std::int64_t> shape);
 
+// An argument of a constructor that has to be given. nanobind takes it as None where it is missing,
+// so that what reads it says its name; `nb::sig` says that there is no default.
+inline auto required(const char* name) {
+  return nb::arg(name) = nb::none();
+}
+
 Vec3d vec3d(nb::handle object, const char* name);
 Mat4 mat4(nb::handle object, const char* name);
 nb::object matrix_array(const Mat4& matrix);  // a (4, 4) float64 array of its own

@@ -18,6 +18,7 @@
 #include "plausible.h"
 #include "progress.h"
 #include "struct_values.h"
+#include "values.h"
 
 namespace omma::python {
 namespace {
@@ -375,7 +376,7 @@ void bind_acceptance(nb::module_& m) {
   receptor_class
       .def(
           "__init__",
-          [](ReceptorType* self, const std::string& name, double peak_wavelength_nm,
+          [](ReceptorType* self, nb::handle name, double peak_wavelength_nm,
              const nb::object& wavelength_nm, const nb::object& sensitivity,
              double microvillus_angle_rad, double polarisation_sensitivity, double absorption_per_m,
              double length_m, double right_rad, double up_rad,
@@ -391,7 +392,7 @@ void bind_acceptance(nb::module_& m) {
             expect(Quantity::offset_angle, "right_rad", right_rad);
             expect(Quantity::offset_angle, "up_rad", up_rad);
             ReceptorType type;
-            type.name = name;
+            type.name = text_argument(name, "name");
             type.peak_wavelength_nm = peak_wavelength_nm;
             if (!wavelength_nm.is_none())
               type.wavelength_nm = numbers(wavelength_nm, "wavelength_nm");
@@ -410,7 +411,7 @@ void bind_acceptance(nb::module_& m) {
             validate_receptor_type(type, "ReceptorType");
             new (self) ReceptorType(std::move(type));
           },
-          nb::arg("name"), nb::kw_only(), nb::arg("peak_wavelength_nm") = 0.0,
+          required("name"), nb::kw_only(), nb::arg("peak_wavelength_nm") = 0.0,
           nb::arg("wavelength_nm") = nb::none(), nb::arg("sensitivity") = nb::none(),
           nb::arg("microvillus_angle_rad") = 0.0, nb::arg("polarisation_sensitivity") = 1.0,
           nb::arg("absorption_per_m") = 0.0, nb::arg("length_m") = 0.0, nb::arg("right_rad") = 0.0,

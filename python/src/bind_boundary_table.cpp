@@ -50,7 +50,7 @@ void bind_boundary_table(nb::module_& m) {
           [](BoundaryTable* self, nb::handle wavelength_nm, nb::handle mueller) {
             new (self) BoundaryTable(made_boundary(wavelength_nm, mueller));
           },
-          nb::arg("wavelength_nm"), nb::arg("mueller"),
+          required("wavelength_nm"), required("mueller"),
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, mueller: "
                   "numpy.typing.ArrayLike) -> None"))
       .def_prop_ro(

@@ -160,7 +160,7 @@ void bind_eye(nb::module_& m) {
            warn_of_unusual(made);
            new (self) Eye(std::move(made));
          },
-         nb::arg("position_m"), nb::arg("axis"), nb::arg("acceptance_angle_rad") = nb::none(),
+         required("position_m"), required("axis"), nb::arg("acceptance_angle_rad") = nb::none(),
          nb::arg("focal_offset_m") = 0.0, nb::arg("eye_id") = 0, nb::arg("others"),
          nb::sig("def __init__(self, position_m: numpy.typing.ArrayLike, axis: "
                  "numpy.typing.ArrayLike, acceptance_angle_rad: numpy.typing.ArrayLike | None = "

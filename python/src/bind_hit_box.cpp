@@ -18,13 +18,14 @@ void bind_hit_box(nb::module_& m) {
             nb::handle world_from_mesh) {
            HitBox made;
            made.name = text_argument(name, "name");
+           expect_given(positions_m, "positions_m", "numbers of shape (N, 3)");
            made.positions = vectors_argument(positions_m, "positions_m");
            made.triangles = triangles_argument(triangles, "triangles");
            if (!world_from_mesh.is_none())
              made.world_from_mesh = mat4(world_from_mesh, "world_from_mesh");
            new (self) HitBox(valid_alone(std::move(made), &Scene::hit_boxes));
          },
-         nb::arg("name"), nb::arg("positions_m"), nb::arg("triangles"),
+         required("name"), required("positions_m"), required("triangles"),
          nb::arg("world_from_mesh") = nb::none(),
          nb::sig("def __init__(self, name: str, positions_m: numpy.typing.ArrayLike, triangles: "
                  "numpy.typing.ArrayLike, world_from_mesh: numpy.typing.ArrayLike | None = None) "

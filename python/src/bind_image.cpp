@@ -22,7 +22,7 @@ void bind_image(nb::module_& m) {
             made.name = called;
             new (self) Image(valid_alone(std::move(made), &Scene::images));
           },
-          nb::arg("pixels"), nb::arg("name") = "",
+          required("pixels"), nb::arg("name") = "",
           nb::sig("def __init__(self, pixels: str | os.PathLike[str] | numpy.typing.ArrayLike, "
                   "name: str = '') -> None"))
       .def_ro("name", &Image::name)

@@ -26,7 +26,7 @@ void bind_instance(nb::module_& m) {
             made.node = handle_argument(node, "node");
             new (self) Instance(std::move(made));
           },
-          nb::arg("mesh"), nb::arg("world_from_mesh") = nb::none(), nb::kw_only(),
+          required("mesh"), nb::arg("world_from_mesh") = nb::none(), nb::kw_only(),
           nb::arg("name") = "", nb::arg("node") = nb::none(),
           nb::sig("def __init__(self, mesh: int, world_from_mesh: numpy.typing.ArrayLike | None = "
                   "None, *, name: str = '', node: int | None = None) -> None"))

@@ -36,6 +36,7 @@ ExtraReflectance extra_argument(nb::handle object, const char* name) {
 }
 
 ExtraReflectance made_extra(nb::handle texture, nb::handle spectra) {
+  expect_given(texture, "texture", "the index of a texture or an omma.scene.TextureUse");
   ExtraReflectance made;
   made.texture = texture_use_argument(texture, "texture");
   if (!nb::isinstance<nb::sequence>(spectra) || nb::isinstance<nb::str>(spectra))
@@ -69,7 +70,7 @@ void bind_extra_reflectance(nb::module_& m) {
           [](ExtraReflectance* self, nb::handle texture, nb::handle spectra) {
             new (self) ExtraReflectance(made_extra(texture, spectra));
           },
-          nb::arg("texture"), nb::arg("spectra"),
+          required("texture"), required("spectra"),
           nb::sig("def __init__(self, texture: int | TextureUse, spectra: "
                   "collections.abc.Sequence[Spectrum | None]) -> None"))
       .def_ro("texture", &ExtraReflectance::texture)

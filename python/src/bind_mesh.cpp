@@ -18,6 +18,7 @@ Mesh made_mesh(nb::handle positions_m, nb::handle triangles, nb::handle name, nb
                nb::handle colors, nb::handle material) {
   Mesh mesh;
   mesh.name = text_argument(name, "name");
+  expect_given(positions_m, "positions_m", "numbers of shape (N, 3)");
   mesh.positions = vectors_argument(positions_m, "positions_m");
   mesh.triangles = triangles_argument(triangles, "triangles");
   mesh.normals = vectors_argument(normals, "normals");
@@ -51,7 +52,7 @@ void bind_mesh(nb::module_& m) {
             new (self) Mesh(made_mesh(positions_m, triangles, name, normals, texture_coordinates,
                                       second_texture_coordinates, colors, material));
           },
-          nb::arg("positions_m"), nb::arg("triangles"), nb::kw_only(), nb::arg("name") = "",
+          required("positions_m"), required("triangles"), nb::kw_only(), nb::arg("name") = "",
           nb::arg("normals") = nb::none(), nb::arg("texture_coordinates") = nb::none(),
           nb::arg("second_texture_coordinates") = nb::none(), nb::arg("colors") = nb::none(),
           nb::arg("material") = nb::none(),

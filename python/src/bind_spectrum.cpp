@@ -30,7 +30,7 @@ void bind_spectrum(nb::module_& m) {
             check_spectrum(made, "");
             new (self) Spectrum(std::move(made));
           },
-          nb::arg("wavelength_nm"), nb::arg("value"),
+          required("wavelength_nm"), required("value"),
           nb::sig("def __init__(self, wavelength_nm: numpy.typing.ArrayLike, value: "
                   "numpy.typing.ArrayLike) -> None"))
       .def_prop_ro(

@@ -86,8 +86,8 @@ void bind_splats(nb::module_& m) {
       "Raises `omma.Error`, which names the splat, where sizes do not go together or a number is\n"
       "not what it stands for.");
   cloud
-      .def("__init__", &init, nb::arg("positions_m"), nb::arg("scales_m"), nb::arg("rotations"),
-           nb::arg("opacities"), nb::arg("harmonics"), nb::kw_only(),
+      .def("__init__", &init, required("positions_m"), required("scales_m"), required("rotations"),
+           required("opacities"), required("harmonics"), nb::kw_only(),
            nb::arg("color_space") = "srgb", nb::arg("direction") = "center",
            nb::arg("white") = nb::none(), nb::arg("bands_nm") = nb::none(),
            nb::arg("world_from_splats") = nb::none(), nb::arg("name") = "",

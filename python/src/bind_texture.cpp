@@ -30,7 +30,7 @@ void bind_texture(nb::module_& m) {
                 whole_argument(image, "image"), word_argument(wraps, wrap_u, "wrap_u"),
                 word_argument(wraps, wrap_v, "wrap_v"), word_argument(filters, filter, "filter")};
           },
-          nb::arg("image"), nb::arg("wrap_u") = "repeat", nb::arg("wrap_v") = "repeat",
+          required("image"), nb::arg("wrap_u") = "repeat", nb::arg("wrap_v") = "repeat",
           nb::arg("filter") = "linear",
           nb::sig("def __init__(self, image: int, wrap_u: str = 'repeat', wrap_v: str = 'repeat', "
                   "filter: str = 'linear') -> None"))
@@ -62,7 +62,7 @@ void bind_texture_use(nb::module_& m) {
                                  vec2_argument(offset, "offset"), vec2_argument(scale, "scale"),
                                  static_cast<float>(number_argument(rotation_rad, "rotation_rad"))};
          },
-         nb::arg("texture"), nb::arg("texcoord_set") = 0,
+         required("texture"), nb::arg("texcoord_set") = 0,
          nb::arg("offset") = nb::make_tuple(0.0, 0.0), nb::arg("scale") = nb::make_tuple(1.0, 1.0),
          nb::arg("rotation_rad") = 0.0,
          nb::sig("def __init__(self, texture: int, texcoord_set: int = 0, offset: "

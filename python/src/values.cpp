@@ -52,6 +52,11 @@ std::vector<Vector> packed(nb::handle object, const char* name) {
 
 }  // namespace
 
+void expect_given(nb::handle object, const char* name, const char* expected) {
+  if (object.is_none())
+    throw nb::type_error((std::string(name) + ": expected " + expected + ", found None").c_str());
+}
+
 int whole_argument(nb::handle object, const char* name, int low) {
   if (is_truth(object) || !PyIndex_Check(object.ptr())) wrong_type(name, "a whole number", object);
   const nb::object number = nb::steal(PyNumber_Index(object.ptr()));
@@ -114,6 +119,7 @@ Image image_argument(nb::handle source, const char* name) {
     });
     return image;
   }
+  expect_given(source, name, "a path or pixels");
   const nb::object array = as_array(source, name, "a path or pixels");
   const auto kind = str_of(array.attr("dtype").attr("kind"));
   const bool bytes = str_of(array.attr("dtype")) == "uint8";
@@ -179,6 +185,7 @@ std::vector<Vec4> colors_argument(nb::handle object, const char* name) {
 
 std::vector<std::array<std::uint32_t, 3>> triangles_argument(nb::handle object, const char* name) {
   const nb::module_ numpy = nb::module_::import_("numpy");
+  expect_given(object, name, "whole numbers of shape (N, 3)");
   const nb::object array = as_array(object, name, "whole numbers of shape (N, 3)");
   const std::string kind = str_of(array.attr("dtype").attr("kind"));
   const std::string found =

@@ -19,6 +19,9 @@
 
 namespace omma::python {
 
+// A TypeError where an argument that has to be given is None.
+void expect_given(nb::handle object, const char* name, const char* expected);
+
 // One argument each; TypeError where it is of another type, omma.Error where it is out of range.
 int whole_argument(nb::handle object, const char* name, int low = 0);
 int handle_argument(nb::handle object, const char* name);  // an index, or None, which is -1

@@ -92,7 +92,7 @@ def test_pictures_have_the_bands_of_their_world():
 
 def test_files_have_a_column_for_each_band(tmp_path, scene, eye):
     renderer = omma.Renderer(omma.World(scene, band_from_rgb=np.eye(3)[:2]), eye)
-    omma.save_responses(tmp_path / "two.csv", renderer.render(POSE), eye)
+    omma.save_responses(tmp_path / "two.csv", renderer.render(POSE), eye, world=renderer.world)
     head = (tmp_path / "two.csv").read_text().splitlines()[0]
     assert head.endswith(",elevation_deg,band_0,band_1")
     with pytest.raises(omma.Error, match="red, green, blue"):

@@ -37,7 +37,8 @@ def test_npy(tmp_path, eye):
 
 def test_csv(tmp_path, eye):
     values = responses_of(eye)
-    omma.save_responses(tmp_path / "a.csv", values, eye, values / 10)
+    world = omma.World(omma.scene.plane((1, 1)))
+    omma.save_responses(tmp_path / "a.csv", values, eye, values / 10, world=world)
     with (tmp_path / "a.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 120

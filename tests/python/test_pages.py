@@ -34,7 +34,8 @@ GIVEN_BESIDES = {
     "docs/datasets.md": {
         2: """
 import omma
-omma.render_file("meadow.glb", "flight.zarr", eyes="honeybee.eye", path="flight.csv")
+files = ["flight.zarr", "seen.csv"]
+omma.render_file("meadow.glb", files, eyes="honeybee.eye", path="flight.csv")
 """
     },
     "docs/scenes.md": {

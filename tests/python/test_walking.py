@@ -216,6 +216,24 @@ def test_where_there_is_no_ground(world_of):
         place_on(omma.Scene(), (0, 0), height_m=0.01)
 
 
+def test_points_beside_the_scene_are_told_where_it_lies():
+    """A survey in UTM, z up in the file: x is the easting, z the northing's negative."""
+    east, north, up = 389_123.25, 5_819_456.5, 112.25
+    at = np.eye(4)
+    at[:3, 3] = east, up, -north
+    survey = omma.World(solids.place_scene(solids.plane((20, 10)), at))
+    says = r"the scene lies at x 389113\.25 to 389133\.25, z -5819461\.5 to -5819451\.5"
+    with pytest.raises(omma.Error, match=f"{says}, where these are with z of the other sign"):
+        place_on(survey, (east, north), height_m=0.003)
+    with pytest.raises(omma.Error, match=f"{says}$"):
+        place_on(survey, (0, 0), height_m=0.003)
+    # Where a point is in that range the ground may have a hole, or face down.
+    with pytest.raises(omma.Error, match=f"{says}; single-sided surfaces that face down"):
+        place_on(survey, (east, -north), height_m=0.003, from_m=100.0)
+    pose = place_on(survey, (east, -north), height_m=0.003)
+    assert pose[0, :3, 3] == pytest.approx([east, up + 0.003, -north], abs=1e-5)
+
+
 def test_leaves_are_stood_on_where_they_are_not_cut_out(world_of):
     """A leaf of two squares, of which one is cut out."""
     alpha = np.full((8, 16, 4), 255, np.uint8)

@@ -1,5 +1,6 @@
 """Tracks on the ground: headings, times, files; renders, data sets and closed loops along them."""
 
+import re
 import warnings
 
 import numpy as np
@@ -73,6 +74,41 @@ def test_files_of_tracks(tmp_path):
         path.write_text(text)
         with pytest.raises(omma.Error, match=match):
             load_track(path)
+
+
+def test_headers_of_loggers_and_maps_are_told_what_to_do(tmp_path):
+    path = tmp_path / "gps.csv"
+    for header, says in (
+        (
+            "time,lat,lon",
+            "project latitude and longitude to metres first, as to UTM; x_m is the easting and z_m "
+            "the northing's negative, in metres; columns are in seconds, metres and degrees: t_s "
+            "for time",
+        ),
+        ("t_s,easting,northing", "x_m is the easting and z_m the northing's negative, in metres"),
+        ("x_m,y_m", "z_m is probably the negative of y_m: on maps y leads north, which is -Z"),
+        ("t_ms,x_cm,z_cm", "metres and degrees: t_s for t_ms, x_m for x_cm, z_m for z_cm"),
+        ("time (s),x_m,z_m", "metres and degrees: t_s for time (s)"),
+        ("t_s,x_m,z_m,speed,sex", "leave out speed, sex"),
+        ("a,b", "found 'a,b'"),
+    ):
+        path.write_text(f"{header}\n1,2,3\n")
+        with pytest.raises(omma.Error, match=f"{re.escape(says)}$"):
+            load_track(path)
+
+
+def test_decimal_commas_between_commas_are_told(tmp_path):
+    path = tmp_path / "track.csv"
+    says = "decimals have points where commas separate the cells, or commas where semicolons do"
+    path.write_text('"x_m","z_m"\n"389123,45","-5819456,78"\n')
+    with pytest.raises(omma.Error, match=f"column x_m: .*found '389123,45'; {says}"):
+        load_track(path)
+    path.write_text("x_m,z_m\n0,5,1,5\n")
+    with pytest.raises(omma.Error, match=f"expected 2 numbers .*, found 4; {says}"):
+        load_track(path)
+    path.write_text("x_m,z_m\n0,a\n")
+    with pytest.raises(omma.Error, match=r"found 'a'$"):
+        load_track(path)
 
 
 LOST = """t_s,x_m,z_m

@@ -8,7 +8,7 @@ import math
 import os
 import re
 from array import array
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib.resources import files
 from itertools import repeat
 from typing import Any
@@ -21,6 +21,8 @@ from omma.base.files import PathLike, open_text
 
 # How programs write that a number is not known, in small letters.
 MISSING = ("", "nan", "na", "n/a", "none", "null")
+# Of tables with commas between cells.
+_COMMAS = "decimals have points where commas separate the cells, or commas where semicolons do"
 # A number with a decimal comma.
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
@@ -42,11 +44,17 @@ def decimal_point(cell: str) -> str:
 
 
 def read_table(
-    path: PathLike, headers: Sequence[tuple[str, ...]], row: str, *, missing: bool = False
+    path: PathLike,
+    headers: Sequence[tuple[str, ...]],
+    row: str,
+    *,
+    missing: bool = False,
+    remedy: Callable[[tuple[str, ...]], str] = lambda columns: "",
 ) -> tuple[tuple[str, ...], Floats, Sequence[int]]:
     """Of a CSV file the names of its columns, one of ``headers``, the rows (N, columns) in that
     order, and the number of each one's line; ``row`` is what one of them is called. A cell that is
-    empty or NaN is NaN with ``missing``, else refused.
+    empty or NaN is NaN with ``missing``, else refused. Of other columns ``remedy`` may say what to
+    do about them.
 
     Columns may come in any order. Their names say what separates them, commas, semicolons or tabs;
     decimals may have commas where these do not. Empty lines, and what follows a #, are passed over.
@@ -76,12 +84,18 @@ def read_table(
             header = next((one for one in headers if sorted(one) == sorted(columns)), ())
             if not header:
                 expected = " or ".join(",".join(header) for header in headers)
-                raise Error(f"{where}: expected a header line {expected}, found '{line[:60]}'")
+                advice = remedy(columns)
+                raise Error(
+                    f"{where}: expected a header line {expected}, found '{line[:60]}'"
+                    + (f"; {advice}" if advice else "")
+                )
             continue
         if len(cells) != len(columns):
             word = {",": "commas", ";": "semicolons", "\t": "tabs"}[between]
+            comma = f"; {_COMMAS}" if between == "," and len(cells) > len(columns) else ""
             raise Error(
-                f"{where}: expected {len(columns)} numbers separated by {word}, found {len(cells)}"
+                f"{where}: expected {len(columns)} numbers separated by {word}, found "
+                f"{len(cells)}{comma}"
             )
         if between != ",":
             cells = [decimal_point(cell) for cell in cells]
@@ -127,7 +141,10 @@ def _number(cell: str, column: str, where: str, missing: bool) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise Error(f"{where}, column {column}: expected a finite number, found '{cell[:40]}'")
+        comma = f"; {_COMMAS}" if has_decimal_comma(cell) else ""
+        raise Error(
+            f"{where}, column {column}: expected a finite number, found '{cell[:40]}'{comma}"
+        )
     return value
 
 

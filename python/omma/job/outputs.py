@@ -17,7 +17,7 @@ from omma.rendering.labelled_files import NetcdfWriter, ZarrWriter
 from omma.rendering.labels import Labels
 from omma.rendering.parquet_files import ParquetWriter
 from omma.rendering.receptor_files import ReceptorCsvWriter
-from omma.rendering.response_files import CsvWriter, NpyWriter, Writer
+from omma.rendering.response_files import CsvColumns, CsvWriter, NpyWriter, Writer
 
 # These are made in full size, or end with an index, so that what is cut off is no file.
 WHOLE_SUFFIXES = (".zarr", ".nc", ".parquet", ".mp4")
@@ -100,9 +100,10 @@ def writers_of(
                 parts[one] = Path(file).name
             files.open(beside(name)).write_header(labels_text(labels, parts).encode())
         elif suffix == ".csv" and receptors:
-            writers.append(ReceptorCsvWriter(files, name, eye, standard_error))
+            columns = CsvColumns.of(labels, standard_error)
+            writers.append(ReceptorCsvWriter(files, name, eye, columns))
         elif suffix == ".csv":
-            writers.append(CsvWriter(files, name, eye, standard_error, shape[2], with_cameras))
+            writers.append(CsvWriter(files, name, eye, CsvColumns.of(labels, standard_error)))
         elif suffix == ".png":
             picture = PngWriter(files, name, shape[0], make_paint())
             writers.append(picture)

@@ -64,9 +64,11 @@ def _describe(name: str, data: xarray.Dataset) -> Lines:
     if "type" in data.coords:
         types, counts = np.unique(data.type.values, return_counts=True)
         lines.append(("types", ", ".join(f"{c:,} {t}" for t, c in zip(types, counts))))
-    lines.append(("range", _range(data.response)))
+    unit = str(data.response.attrs.get("units", "1"))
+    unit = "" if unit == "1" else f" {unit}"
+    lines.append(("range", _range(data.response) + unit))
     if "standard_error" in data:
-        lines.append(("standard error", _range(data.standard_error)))
+        lines.append(("standard error", _range(data.standard_error) + unit))
     if "rays" in data:
         lines.append(("rays", _range(data.rays)))
     if "camera_distance" in data:

@@ -140,7 +140,7 @@ def _one_plane(
     return mean, is_known & (apart <= _SAME_NORMAL) & (spread <= 2 * error_m)
 
 
-def _bounds_of(world: World) -> Floats | None:
+def bounds_of(world: World) -> Floats | None:
     """Lower and upper corner (2, 3), m, of the world's scene, which never change; found once, as
     all vertices are read for it."""
     if world not in _BOUNDS:
@@ -150,7 +150,7 @@ def _bounds_of(world: World) -> Floats | None:
 
 def _traced_origin(world: World) -> Floats:
     """(3,), m: from where the engine traces, in single precision (src/model/scene_place.cpp)."""
-    bounds = _bounds_of(world)
+    bounds = bounds_of(world)
     if bounds is None:
         return np.zeros(3)
     middle = np.asarray(bounds.mean(axis=0))
@@ -163,7 +163,7 @@ def _traced_origin(world: World) -> Floats:
 
 def _top_of(world: World) -> float:
     """A y, m, above everything in a world, also of what has moved or has another shape."""
-    scene, bounds = world.scene, _bounds_of(world)
+    scene, bounds = world.scene, bounds_of(world)
     boxes = [] if bounds is None else [bounds]
     for mesh in world._engine.reshaped:
         shape = world._engine.positions(mesh)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -116,7 +119,9 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
     name = os.fsdecode(path)
     one_of(lost, LOST, "lost")
     headers = [(*time, *_PLACE, *heading) for time in (_TIME, ()) for heading in ((), _HEADING)]
-    columns, table, numbers = read_table(path, headers, "position", missing=True)
+    columns, table, numbers = read_table(
+        path, headers, "position", missing=True, remedy=partial(_remedy, headers)
+    )
     lines = np.asarray(numbers)
     known = np.asarray(np.isfinite(table).all(axis=1))
     if lost == "refuse" and not known.all():
@@ -136,6 +141,32 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
         warn_caller(f"{name}: {_left_out(known, lines, times_s)}", UserWarning)
     of = dict(zip(columns, table[known].T, strict=True))
     return Track(np.column_stack([of["x_m"], of["z_m"]]), of.get("heading_deg"), of.get("t_s"))
+
+
+def _remedy(headers: Sequence[tuple[str, ...]], columns: tuple[str, ...]) -> str:
+    """What to do about a file whose columns are others: those of GPS loggers and of maps."""
+    names = {re.split(r"[^a-z]", one)[0]: one for one in columns}
+    units = {"t": "t_s", "time": "t_s", "x": "x_m", "z": "z_m", "heading": "heading_deg"}
+    other = [
+        f"{unit} for {names[stem]}"
+        for stem, unit in units.items()
+        if stem in names and names[stem] != unit
+    ]
+    whole = [header for header in headers if set(header) <= set(columns)]
+    if whole and not other:
+        more = [one for one in columns if one not in max(whole, key=len)]
+        return f"leave out {', '.join(more)}"
+    said = []
+    if any(one.startswith("lat") for one in names):
+        said.append("project latitude and longitude to metres first, as to UTM")
+    if any(one.startswith(("lat", "east", "north")) for one in names):
+        said.append("x_m is the easting and z_m the northing's negative, in metres")
+    elif "y" in names and "z" not in names:
+        y = names["y"]
+        said.append(f"z_m is probably the negative of {y}: on maps y leads north, which is -Z")
+    if other:
+        said.append(f"columns are in seconds, metres and degrees: {', '.join(other)}")
+    return "; ".join(said)
 
 
 def _check_growing(name: str, times_s: Floats, lines: NDArray[np.int64]) -> None:

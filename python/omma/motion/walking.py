@@ -15,7 +15,7 @@ from omma.base.directions import normalized
 from omma.base.poses import Matrices, as_poses
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
-from omma.motion.footing import Below, rounding_m, standing
+from omma.motion.footing import Below, bounds_of, rounding_m, standing
 from omma.motion.ground_rays import first_below, ray_bundle, shoot, upright
 from omma.motion.tracks import Track, heading_along
 from omma.rendering.renderer import Renderer
@@ -91,7 +91,7 @@ def place_on(
         return np.empty((0, 4, 4))
     below = Below(world, np.concatenate([[(0.0, 0.0)], legs]), from_m, on)
     foot, normal, is_found = standing(below, points, yaw)
-    _tell(points, np.isfinite(foot), is_found)
+    _tell(world, points, np.isfinite(foot), is_found)
     return _poses(points, foot, normal, yaw, height)
 
 
@@ -195,7 +195,8 @@ def ground_at(
     if span is not None and of_splats.any():
         normal[of_splats] = _across(down, start[of_splats], span, step[of_splats], on)
     height = start[:, 1] - met
-    _tell(start[:, [0, 2]], np.isfinite(height), np.ones((len(heads), 0), np.bool_))
+    without_legs = np.ones((len(heads), 0), np.bool_)
+    _tell(world, start[:, [0, 2]], np.isfinite(height), without_legs)
     forward = -heads[:, :3, 2]
     level = np.hypot(forward[:, 0], forward[:, 2])
     rise = -(normal[:, [0, 2]] * forward[:, [0, 2]]).sum(axis=1)
@@ -218,6 +219,22 @@ def _across(
     rise = (height[:, [0, 2]] - height[:, [1, 3]]) / span_m
     normal = np.column_stack([-rise[:, 0], np.ones(len(rise)), -rise[:, 1]])
     return normalized(normal)
+
+
+def _where(world: World, points: Floats) -> str:
+    """Where a world lies of which points (P, 2) find no ground, and what may be wrong with them."""
+    bounds = bounds_of(world)
+    if bounds is None:
+        return "the scene has no surfaces"
+    low, high = bounds[:, [0, 2]]
+    (x, z), (to_x, to_z) = low, high
+    place = f"the scene lies at x {x:.10g} to {to_x:.10g}, z {z:.10g} to {to_z:.10g}"
+    turned = points * [1, -1]
+    if not ((points >= low) & (points <= high)).all(axis=1).any():
+        if ((turned >= low) & (turned <= high)).all():
+            place += ", where these are with z of the other sign: z is the northing's negative"
+        return place
+    return f"{place}; single-sided surfaces that face down are not seen from above"
 
 
 def _poses(points: Floats, foot: Floats, normal: Floats, yaw: Floats, height_m: float) -> Matrices:
@@ -262,7 +279,9 @@ def _legs(legs_m: ArrayLike | None, height_m: float) -> Floats:
     return given
 
 
-def _tell(points: Floats, is_there: NDArray[np.bool_], legs: NDArray[np.bool_]) -> None:
+def _tell(
+    world: World, points: Floats, is_there: NDArray[np.bool_], legs: NDArray[np.bool_]
+) -> None:
     """omma.Error where points (P, 2) have no ground, a warning where legs (P, L) have none."""
     missing = np.flatnonzero(~is_there)
     if len(missing):
@@ -272,7 +291,7 @@ def _tell(points: Floats, is_there: NDArray[np.bool_], legs: NDArray[np.bool_]) 
         more = "" if len(missing) <= _MOST_NAMED else f" and {len(missing) - _MOST_NAMED} more"
         raise Error(
             f"no ground below {len(missing)} of {len(points)} points: {named}{more}; "
-            "single-sided surfaces that face down are not seen from above"
+            f"{_where(world, points[missing])}"
         )
     without = int((~legs).sum())
     if without:

@@ -26,6 +26,7 @@ from omma.base.poses import Matrices
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_axis
 from omma.rendering.call import Prepared
 from omma.rendering.settings import ToError, settings_as_record
+from omma.scene.world import World
 
 # name: (dimensions, values, attributes)
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]]
@@ -49,6 +50,8 @@ class Labels:
         return tuple(self.sizes[dimension] for dimension in self.variables[variable][0])
 
 
+# Bands of worlds without light.
+RGB = ("red", "green", "blue")
 # Of spectral radiance in a lit world.
 _UNITS = {"photons": "photons m-2 s-1 sr-1 nm-1", "watts": "W m-2 sr-1 nm-1"}
 
@@ -77,11 +80,11 @@ def labels_of(
     else:
         dimensions = (first, "ommatidium", "band")
         coordinates |= _ommatidia(renderer.eye)
-        coordinates["band"] = (("band",), np.array(_band_names(renderer)), {})
+        coordinates["band"] = (("band",), np.array(band_names(renderer.world)), {})
         if light is not None:
             coordinates["wavelength"] = (("band",), light.bands.centers_nm, {"units": "nm"})
     coordinates |= pose_variables(matrices, first)
-    unit = "1" if light is None else _UNITS[light.unit]
+    unit = unit_of(renderer.world)
     about = {"units": unit, "long_name": CATCH if receptors else RADIANCE}
     variables: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
         "response": (dimensions, "float32", about)
@@ -202,20 +205,25 @@ def _receptors(eye: Eye) -> Variables:
     }
 
 
-def _band_names(renderer: Prepared) -> list[str]:
-    light = renderer.world.light
-    if light is not None:
-        return [f"{nm:g} nm" for nm in np.round(light.bands.centers_nm, 2)]
-    if renderer.world.band_from_rgb is None:
-        return ["red", "green", "blue"]
-    return [f"band_{k}" for k in range(renderer.bands)]
+def band_names(world: World) -> list[str]:
+    """Names of a world's bands in files: in light the middle of each, in nm."""
+    if world.light is not None:
+        return [f"{nm:g} nm" for nm in np.round(world.light.bands.centers_nm, 2)]
+    if world.band_from_rgb is None:
+        return list(RGB)
+    return [f"band_{k}" for k in range(world.bands)]
+
+
+def unit_of(world: World) -> str:
+    """Of responses in a world, "1" of those that are relative."""
+    return "1" if world.light is None else _UNITS[world.light.unit]
 
 
 def _attributes(renderer: Prepared) -> dict[str, Any]:
     """What the responses were made of, as plain texts and numbers that every format can hold."""
     scene = renderer.world.scene
     light = renderer.world.light
-    of_what = "relative to radiance 1" if light is None else f"in {_UNITS[light.unit]}"
+    of_what = "relative to radiance 1" if light is None else f"in {unit_of(renderer.world)}"
     found: dict[str, Any] = {
         "units": f"lengths m, angles degree, wavelengths nm; responses {of_what}",
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,15 +18,17 @@ from omma.base.hdf5_heaps import check_heaps
 from omma.rendering.dataset import dataset_of, load_xarray
 from omma.rendering.label_texts import beside, labels_from_text
 from omma.rendering.labelled_files import load_package
-from omma.rendering.labels import camera_variables
+from omma.rendering.labels import RGB, camera_variables
 from omma.rendering.parquet_files import METADATA, columns_of
-from omma.rendering.response_files import CAMERA_COLUMNS
+from omma.rendering.response_files import CAMERA_COLUMNS, TIME_COLUMN, UNIT_COLUMN
 
 if TYPE_CHECKING:
     import xarray
 
 RESPONSE_SUFFIXES = (".zarr", ".nc", ".parquet", ".npy", ".json", ".csv")
 
+# What `band_names` calls a band of a lit world.
+_MIDDLE = re.compile(r"(\d+(?:\.\d+)?) nm")
 _CSV_SITES = ("ommatidium", "eye_id", "receptor", "azimuth_deg", "elevation_deg")
 
 
@@ -36,7 +39,8 @@ def load_responses(path: PathLike) -> xarray.Dataset:
 
     `.zarr`, `.nc` and `.npy` are read when their numbers are asked for, and any dataset that xarray
     writes is read too. An `.npy` file needs the `.json` beside it, either name does. A `.csv` file
-    says where ommatidia look, but nothing of poses and of how it was made.
+    says where ommatidia look, the middles of bands to 0.01 nm, the unit and times, but nothing of
+    where the head was and of how it was made. Bands called band_0 and on have no unit.
 
     Raises:
         omma.Error: another ending, a file that is missing or no such responses, a package that is
@@ -153,11 +157,11 @@ def _of_csv(name: str) -> xarray.Dataset:
 def _of_table(name: str) -> xarray.Dataset:
     rows = csv.reader(open_text(name))
     header = next(rows)
-    sites = [column for column in _CSV_SITES if column in header]
+    before = [column for column in (*_CSV_SITES, TIME_COLUMN, UNIT_COLUMN) if column in header]
     for column in ("eye_id", "azimuth_deg", "elevation_deg"):
-        if column not in sites:
+        if column not in before:
             raise Error(f"{name}: expected a column {column}, found {', '.join(header)[:120]}")
-    numbered = header[1 + len(sites) :]
+    numbered = header[1 + len(before) :]
     cameras = [one for one in CAMERA_COLUMNS.values() if one in numbered]
     bands = [one for one in numbered if not one.endswith("_error") and one not in cameras]
     if not bands:
@@ -169,18 +173,24 @@ def _of_table(name: str) -> xarray.Dataset:
         each = len(texts) // poses
         if not np.array_equal(pose, np.repeat(np.arange(poses), each)):
             raise ValueError
-        site = {one: texts[:each, header.index(one)] for one in sites}
-        numbers = texts[:, 1 + len(sites) :].astype(np.float64).reshape(poses, each, -1)
+        site = {one: texts[:each, header.index(one)] for one in before}
+        cells = texts[:, 1 + len(before) :]
+        numbers = np.where(cells == "", "nan", cells).astype(np.float64).reshape(poses, each, -1)
+        times = {}
+        if TIME_COLUMN in before:
+            column = texts[::each, header.index(TIME_COLUMN)].astype(np.float64)
+            times["time"] = ("time", column, {"units": "s"})
     except (ValueError, IndexError, OverflowError, ZeroDivisionError, csv.Error, MemoryError):
         raise Error(f"{name}: expected as many whole lines for each pose, in their order") from None
     along = "receptor" if "receptor" in site else "ommatidium"
-    coordinates: dict[str, Any] = {
+    first = "time" if times else "pose"
+    coordinates: dict[str, Any] = times | {
         along: np.arange(each),
         "eye": (along, site["eye_id"].astype(np.int64)),
         "azimuth": (along, site["azimuth_deg"].astype(np.float64), {"units": "degree"}),
         "elevation": (along, site["elevation_deg"].astype(np.float64), {"units": "degree"}),
     }
-    dimensions: tuple[str, ...] = ("pose", along)
+    dimensions: tuple[str, ...] = (first, along)
     if along == "receptor":
         coordinates |= {
             "ommatidium": (along, site["ommatidium"].astype(np.int64)),
@@ -189,16 +199,31 @@ def _of_table(name: str) -> xarray.Dataset:
         arrays = [numbers[..., k] for k in range(numbers.shape[2])]
     else:
         dimensions = (*dimensions, "band")
-        coordinates["band"] = ["red", "green", "blue"] if bands == list("rgb") else bands
+        coordinates |= _band_coordinates(bands)
         whole = numbers.shape[2] - len(cameras)
         arrays = [numbers[..., k : k + len(bands)] for k in range(0, whole, len(bands))]
     found = zip(("response", "standard_error"), arrays)
+    unit = str(site[UNIT_COLUMN][0]) if UNIT_COLUMN in site else "1"
+    # Columns band_0 and on may be in any unit.
+    about = {} if bands[0] == "band_0" else {"units": unit}
     variables: dict[str, Any] = {
-        one: (dimensions, values.astype(np.float32), {"units": "1"}) for one, values in found
+        one: (dimensions, values.astype(np.float32), about) for one, values in found
     }
-    for name, (of_poses, dtype, about) in camera_variables("pose").items() if cameras else ():
+    for name, (of_poses, dtype, about) in camera_variables(first).items() if cameras else ():
         values = numbers[..., numbered.index(CAMERA_COLUMNS[name])]
         values = values[:, 0] if len(of_poses) == 1 else values
         variables[name] = (of_poses, values.astype(dtype), about)
     data: xarray.Dataset = load_xarray().Dataset(variables, coordinates)
     return data
+
+
+def _band_coordinates(columns: list[str]) -> dict[str, Any]:
+    """What the columns of responses say of bands."""
+    if columns == list("rgb"):
+        return {"band": list(RGB)}
+    found: dict[str, Any] = {"band": columns}
+    middles = [_MIDDLE.fullmatch(column) for column in columns]
+    if all(middles):
+        middles_nm = [float(one[1]) for one in middles if one]
+        found["wavelength"] = ("band", middles_nm, {"units": "nm"})
+    return found

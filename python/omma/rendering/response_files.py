@@ -17,37 +17,59 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike, WholeFiles, check_ending
+from omma.rendering.labels import RGB, Labels, band_names, unit_of
+from omma.scene.world import World
 
 # Of `.csv` files, by the variable that they are.
 CAMERA_COLUMNS = {"camera_distance": "camera_distance_m", "camera_angle": "camera_angle_deg"}
+# When a pose is, and the unit of responses that are not relative.
+TIME_COLUMN, UNIT_COLUMN = "time_s", "unit"
 
 
 @checked
 def save_responses(
-    path: PathLike, responses: ArrayLike, eye: Eye, errors: ArrayLike | None = None
+    path: PathLike,
+    responses: ArrayLike,
+    eye: Eye,
+    errors: ArrayLike | None = None,
+    *,
+    world: World | None = None,
 ) -> None:
     """Write responses (P, N, C) or (N, C) to `.npy` or `.csv`, by the name's ending.
 
     `.npy` is the float32 array (P, N, C). `.csv` has a line for each pose and ommatidium: pose,
     ommatidium, eye_id, azimuth_deg, elevation_deg (of its axis in the head: azimuth 0 ahead, to the
-    right positive), r, g, b (band_0, band_1, ... where there are not three), and with ``errors``
-    r_error, g_error, b_error.
+    right positive), a column for each band, and with ``errors`` one more for each, NAME_error. A
+    cell is empty where a number is NaN.
+
+    Args:
+        world: that was rendered, which tells what the bands of a `.csv` are called: in light by the
+            middle of each, ``350 nm``, with a column ``unit`` before them; without, r, g, b; and
+            band_0, band_1, ... where it has ``band_from_rgb``. None: nothing says what the bands
+            are, so that they are band_0, band_1, ..., also where there are three.
 
     Raises:
-        omma.Error: another ending, responses of another eye, a file that cannot be written.
+        omma.Error: another ending, responses of another eye, bands that are not those of the world,
+            a file that cannot be written.
     """
     name = os.fsdecode(path)
     array = _responses(responses, eye, "responses")
     error_array = None if errors is None else _responses(errors, eye, "errors")
     if error_array is not None and error_array.shape != array.shape:
         raise Error(f"errors: expected shape {array.shape}, found {error_array.shape}")
+    bands = array.shape[2]
+    if world is not None and world.bands != bands:
+        raise Error(f"world: expected one of {bands} bands as the responses, found {world.bands}")
     check_ending(name, ".npy", ".csv")
     suffix = Path(name).suffix.lower()
     with WholeFiles() as files:
         if suffix == ".npy" and error_array is None:
             writer: Writer = NpyWriter(files, name, array.shape)
         elif suffix == ".csv":
-            writer = CsvWriter(files, name, eye, error_array is not None, array.shape[2])
+            names = [f"band_{b}" for b in range(bands)] if world is None else band_names(world)
+            unit = "1" if world is None else unit_of(world)
+            columns = CsvColumns(names, unit, with_errors=error_array is not None)
+            writer = CsvWriter(files, name, eye, columns)
         else:
             raise Error(f"{name}: a .npy file holds one array; save responses and errors apart")
         writer.write(Piece(0, array, error_array))
@@ -108,49 +130,77 @@ class NpyWriter:
         self._file.write(array.data)
 
 
-class CsvWriter:
-    """A line for each pose and ommatidium; numbers with nine digits, which is all of a float32.
-    ``with_cameras``: also how near cameras of the capture were."""
+@dataclass(frozen=True)
+class CsvColumns:
+    """What a `.csv` file has beside the pose and where each ommatidium, or receptor, looks."""
 
-    def __init__(
-        self,
-        files: WholeFiles,
-        name: str,
-        eye: Eye,
-        with_errors: bool,
-        bands: int,
-        with_cameras: bool = False,
-    ) -> None:
+    bands: Sequence[str]
+    """Names of the columns of responses, red, green and blue as `band_names` has them."""
+    unit: str = "1"
+    """Of responses: a column where it is another."""
+    with_errors: bool = False
+    with_cameras: bool = False
+    """Whether how near cameras of the capture were is there."""
+    times_s: NDArray[np.float64] | None = None
+    """When each pose is, a column where it is known."""
+
+    @staticmethod
+    def of(labels: Labels, with_errors: bool) -> CsvColumns:
+        """Of responses with these labels."""
+        _, _, about = labels.variables["response"]
+        bands = labels.coordinates["band"][1].tolist() if "band" in labels.coordinates else []
+        return CsvColumns(
+            bands or ["response"],
+            about["units"],
+            with_errors,
+            "camera_angle" in labels.variables,
+            labels.coordinates["time"][1] if "time" in labels.coordinates else None,
+        )
+
+    def header(self, sites: str) -> bytes:
+        """The first line; ``sites``: what each ommatidium has."""
+        bands = list("rgb") if tuple(self.bands) == RGB else list(self.bands)
+        columns = [] if self.times_s is None else [TIME_COLUMN]
+        columns += [] if self.unit == "1" else [UNIT_COLUMN]
+        columns += bands + ([f"{band}_error" for band in bands] if self.with_errors else [])
+        columns += CAMERA_COLUMNS.values() if self.with_cameras else []
+        return f"pose,ommatidium,eye_id,{sites},{','.join(columns)}\n".encode()
+
+    def lines(self, number: int, sites: Sequence[str], table: NDArray[Any]) -> bytes:
+        """Those of one pose: its numbers (N, columns) after what each of N sites has, with nine
+        digits, which is all of a float32, and nothing for NaN."""
+        time = "" if self.times_s is None else f",{self.times_s[number]:.15g}"
+        before = time if self.unit == "1" else f"{time},{self.unit}"
+        form = ",%.9g" * table.shape[-1]
+        return "".join(
+            f"{number},{site}{before}{(form % tuple(values)).replace(',nan', ',')}\n"
+            for site, values in zip(sites, table.tolist(), strict=True)
+        ).encode()
+
+
+class CsvWriter:
+    """A line for each pose and ommatidium."""
+
+    def __init__(self, files: WholeFiles, name: str, eye: Eye, columns: CsvColumns) -> None:
         self._file = files.open(name)
-        self._with_errors, self._with_cameras = with_errors, with_cameras
-        columns = list("rgb") if bands == 3 else [f"band_{b}" for b in range(bands)]
-        if with_errors:
-            columns += [f"{column}_error" for column in columns]
-        if with_cameras:
-            columns += CAMERA_COLUMNS.values()
-        header = "pose,ommatidium,eye_id,azimuth_deg,elevation_deg"
-        self._file.write_header(f"{header},{','.join(columns)}\n".encode())
+        self._columns = columns
+        self._file.write_header(columns.header("azimuth_deg,elevation_deg"))
         azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
         numbered = enumerate(zip(eye.eye_id.tolist(), azimuth, elevation, strict=True))
-        self._columns = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
+        self._sites = [f"{i},{which},{a:.6g},{e:.6g}" for i, (which, a, e) in numbered]
 
     def write(self, piece: Piece) -> None:
         table = piece.responses
-        if self._with_errors:
+        if self._columns.with_errors:
             assert piece.errors is not None
             table = np.concatenate([table, piece.errors], axis=-1)
-        if self._with_cameras:
+        if self._columns.with_cameras:
             found = [piece.beside[name] for name in CAMERA_COLUMNS]
             size = (*table.shape[:2], 1)
             each = [np.broadcast_to(one.reshape(len(one), -1, 1), size) for one in found]
             table = np.concatenate([table, *each], axis=-1)
-        form = ",".join(["%.9g"] * table.shape[-1])
         for number, pose in enumerate(table, start=piece.first):
-            lines = [
-                f"{number},{columns},{form % tuple(values)}\n"
-                for columns, values in zip(self._columns, pose.tolist(), strict=True)
-            ]
-            self._file.write("".join(lines).encode())
+            self._file.write(self._columns.lines(number, self._sites, pose))
 
 
 def _responses(values: ArrayLike, eye: Eye, name: str) -> NDArray[np.float32]:

@@ -6,6 +6,7 @@ Plots need Matplotlib, which is imported only here and only when a plot is made.
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -241,7 +242,12 @@ def _names(method: Method) -> tuple[str, str]:
 
 
 def _save_csv(path: PathLike, header: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-    cells = ([f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows)
+    def text(value: Any) -> Any:
+        if not isinstance(value, float):
+            return value
+        return "" if math.isnan(value) else f"{value:.9g}"
+
+    cells = (map(text, row) for row in rows)
     write_whole(path, csv_text(header, cells).encode())
 
 

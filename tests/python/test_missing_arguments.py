@@ -1,0 +1,54 @@
+"""Arguments that are missing: constructors say which in plain words, not by nanobind's own."""
+
+import re
+
+import pytest
+from public_names import public_things
+
+import omma
+
+ONE = [[0.0, 0.0, -1.0]]
+TRIANGLE = [[0, 1, 2]]
+NUMBERS = "expected numbers of shape"
+
+
+def said_without_arguments(kind):
+    try:
+        kind()
+    except (omma.Error, TypeError) as error:
+        return str(error)
+    return ""
+
+
+def test_constructors_without_arguments():
+    kinds = {thing for _, _, thing in public_things() if isinstance(thing, type)}
+    assert omma.Eye in kinds
+    said = {kind.__name__: said_without_arguments(kind) for kind in kinds}
+    assert [name for name, text in said.items() if "incompatible function arg" in text] == []
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: omma.Eye(axis=ONE, acceptance_angle_rad=0.1), rf"^position_m: {NUMBERS} \(1, 3\)"),
+        (lambda: omma.Eye(None, ONE, 0.1), rf"^position_m: {NUMBERS} \(1, 3\), found None$"),
+        (lambda: omma.Eye(ONE, acceptance_angle_rad=0.1), rf"^axis: {NUMBERS} \(N, 3\), found Non"),
+        (lambda: omma.light.Spectrum([300, 400]), rf"^value: {NUMBERS} \(N,\), found None$"),
+        (lambda: omma.receptors.ReceptorType(), r"^name: expected a text, found NoneType$"),
+        (lambda: omma.scene.BoundaryTable([300, 400]), r"^mueller: .* found None$"),
+        (lambda: omma.scene.ExtraReflectance(spectra=[]), r"^texture: expected the index of a tex"),
+        (lambda: omma.scene.ExtraReflectance(0), r"^spectra: expected up to three .*NoneType$"),
+        (lambda: omma.scene.HitBox("a", triangles=TRIANGLE), rf"^positions_m: {NUMBERS}"),
+        (lambda: omma.scene.Image(), r"^pixels: expected a path or pixels, found None$"),
+        (lambda: omma.scene.Instance(), r"^mesh: expected a whole number, found NoneType$"),
+        (lambda: omma.scene.Mesh(triangles=TRIANGLE), rf"^positions_m: {NUMBERS}"),
+        (lambda: omma.scene.Mesh(ONE), r"^triangles: expected whole numbers .*, found None$"),
+        (lambda: omma.scene.SplatCloud(ONE), rf"^scales_m: {NUMBERS} \(N, 3\), found None$"),
+        (lambda: omma.scene.Texture(), r"^image: expected a whole number"),
+        (lambda: omma.scene.TextureUse(), r"^texture: expected a whole number"),
+    ],
+)
+def test_what_is_missing_is_named(make, says):
+    with pytest.raises((omma.Error, TypeError)) as caught:
+        make()
+    assert re.search(says, str(caught.value))
