@@ -17,7 +17,7 @@ def test_a_sky_keeps_to_its_thread():
         make(turn)
     own = time.thread_time() - own
     # Threads of a large product that wait for each other had taken 0.6 of it on two cores, and made
-    # it many times as long on a machine with other work. Allowed is what ticks of clocks are off by.
+    # it many times as long on a machine with other work. Allowed is what clocks are off by.
     assert time.process_time() - everything - own < 0.1 * own + 0.02
 
 
