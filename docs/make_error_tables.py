@@ -1,10 +1,11 @@
 """Prints the tables of tails and of intervals in bench/notes/error-targets.md.
 
-    .venv/bin/python docs/make_error_tables.py [--data FOLDER] [--quick]
+    .venv/bin/python docs/make_error_tables.py [--data FOLDER] [--quick] [--skies]
 
 FOLDER holds CompoundRay's scenes and eyes (scenes/natural-standin-sky.gltf,
 bees/AM_60185-real.eye, ...); without it those that need it are left out. Some minutes; --quick
-tries everything in half a minute and means nothing.
+tries everything in half a minute and means nothing. --skies: only the last table, intervals of
+skies without edges, in a minute.
 """
 
 import argparse
@@ -22,6 +23,7 @@ import omma
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 TARGETS, SAMPLES = (0.003, 0.01, 0.03), (1, 16, 200)
+SKY_SAMPLES, SKY_SEEDS = (1, 4, 16, 64), 100
 RENDERS = 16  # to an error; a quarter of it of fixed numbers of rays
 SUMS = 2e-5  # what sums in single precision are off by
 
@@ -180,12 +182,55 @@ def measure_intervals(case: Case, truth: np.ndarray) -> str:
     return f"| {case.name} | " + " | ".join(fractions) + " |"
 
 
+def measure_skies(seeds: int) -> None:
+    """A row for each sky and width of fields: how skew single renders are, how large their spread
+    is over its estimate, and how often the bounds hold."""
+    few = omma.light.Bands.equal(4, 400, 700)
+    skies = {
+        "clear": omma.light.clear_sky(40, sun_azimuth_deg=30, bands=few),
+        "overcast": omma.light.overcast_sky(40, bands=few),
+    }
+    axis = omma.eye.generate_eye(120).axis
+    axis = axis[axis[:, 1] > 0.5]
+    print("\n| sky | fields | samples | skewness | spread / estimate | alone | with neighbours |\n"
+          + "| --- " * 7 + "|")  # fmt: skip
+    for name, light in skies.items():
+        world = omma.World(omma.Scene(), light=light)
+        for width_deg in (2.6, 20.0):
+            eye = omma.Eye(np.zeros((len(axis), 3)), axis, np.radians(width_deg))
+            many = omma.Renderer(world, eye, omma.Fixed(8192))
+            truth = np.mean(
+                [many.with_eye(eye, seed=1000 + k).render(np.eye(4))[0] for k in range(4)], axis=0
+            )
+            for samples in SKY_SAMPLES:
+                renderers = [
+                    omma.Renderer(world, eye, omma.Fixed(samples), seed=seed)
+                    for seed in range(seeds)
+                ]
+                both = [one.render(np.eye(4), standard_error=True) for one in renderers]
+                responses, errors = (np.stack([one[k][0] for one in both]) for k in range(2))
+                single = np.stack([one.render(np.eye(4))[0] for one in renderers])
+                scores = (single - single.mean(axis=0)) / single.std(axis=0)
+                spread = np.sqrt((responses.var(axis=0, ddof=1) / (errors**2).mean(axis=0)).mean())
+                low, high = omma.study.confidence_interval(eye, responses, errors, 8 * samples)
+                alone = np.abs(responses - truth) <= 2.3646 * errors
+                print(
+                    f"| {name} | {width_deg:g}° | {samples} "
+                    f"| {np.abs((scores**3).mean(axis=0)).mean():.1f} | {spread:.2f} "
+                    f"| {alone.mean():.3f} | {((low <= truth) & (truth <= high)).mean():.3f} |",
+                    flush=True,
+                )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     everything = ROOT.parent / "shared" / "data" / "compound-ray"
     parser.add_argument("--data", type=Path, default=everything)
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--skies", action="store_true")
     arguments = parser.parse_args()
+    if arguments.skies:
+        return measure_skies(SKY_SEEDS)
     intervals = []
     print("| scene | target | rays | reached | within it | within twice | 99 % | 99.9 % | worst "
           "| worst RMS |\n" + "| --- " * 10 + "|")  # fmt: skip
@@ -198,6 +243,8 @@ def main() -> None:
     print("\n| scene | " + " | ".join(f"{n}: alone | {n}: with neighbours" for n in SAMPLES) + " |")
     print("| --- " * 7 + "|")
     print("\n".join(intervals))
+    measure_skies(4 if arguments.quick else SKY_SEEDS)
+    return None
 
 
 if __name__ == "__main__":

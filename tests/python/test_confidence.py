@@ -77,6 +77,33 @@ def test_holds_the_truth(arena, name, samples):
     assert plain[1] < 0.93 < min(held)
 
 
+def test_wide_fields_on_a_clear_sky_scatter_askew():
+    few = omma.light.Bands.equal(1, 540, 560)
+    world = omma.World(omma.Scene(), light=omma.light.clear_sky(40, bands=few))
+    axis = lattice(60, 180)
+    axis = axis[axis[:, 1] > 0.5]
+    eye = omma.Eye(np.zeros((len(axis), 3)), axis, np.radians(20))
+    truth = omma.Renderer(world, eye, omma.Fixed(8192), seed=999).render(np.eye(4))[0]
+    renderers = [omma.Renderer(world, eye, omma.Fixed(4), seed=seed) for seed in range(150)]
+    both = [one.render(np.eye(4), standard_error=True) for one in renderers]
+    responses, errors = (np.stack([one[k][0] for one in both]) for k in range(2))
+    # The estimate is right: over 150 seeds and 15 ommatidia a ratio of variances with a kurtosis of
+    # single scrambles of 9 is known to some 5 %.
+    ratio = responses.var(axis=0, ddof=1).sum() / (errors**2).mean(axis=0).sum()
+    assert ratio == pytest.approx(1, abs=0.2)
+    held = (np.abs(responses - truth) <= 2.3646 * errors).mean()
+    # What single scrambles give, drawn eight at a time without any tie between them, holds as many.
+    single = np.stack([one.render(np.eye(4))[0] for one in renderers])[..., 0]
+    single = (single - single.mean(axis=0)) / single.std(axis=0)
+    drawn = np.random.default_rng(1).choice(single, (2000, 8))
+    free = np.abs(drawn.mean(axis=1)) <= 2.3646 * drawn.std(axis=1, ddof=1) / np.sqrt(8)
+    # 150 seeds of 15 ommatidia, some of which overlap: 0.89 to 0.01.
+    assert held == pytest.approx(free.mean(), abs=0.03)
+    assert 0.84 < held < 0.93
+    low, high = omma.study.confidence_interval(eye, responses, errors, 8 * 4)
+    assert ((low <= truth) & (truth <= high)).mean() > 0.97
+
+
 def test_holds_it_where_rays_go_to_an_error(arena):
     renderer, truth = arena
     eye = EYES["apart"]

@@ -9,7 +9,7 @@ import pytest
 
 import omma
 from omma.picture.light_titles import light_title
-from omma.picture.sky_plots import neutral_points
+from omma.picture.neutral_points import neutral_points
 
 pytest.importorskip("matplotlib")
 
@@ -283,7 +283,7 @@ def test_lamps_alone_are_dark(tmp_path, run_omma):
     assert name.stat().st_size > 5000
 
 
-def test_neutral_points_are_where_polarisation_along_the_meridian_changes_sign():
+def test_neutral_points_are_where_polarisation_changes_its_sign():
     # Across the meridian (Q < 0) but for 10 to 50 degrees on the sun's side, and under 10 opposite.
     sky = np.zeros((2, 91, 8, 3, 1))
     sky[:, :, :, 0], sky[:, :, :, 1] = 1, -0.05
@@ -294,9 +294,55 @@ def test_neutral_points_are_where_polarisation_along_the_meridian_changes_sign()
     found = neutral_points(light, 0)
     assert [name for name, _ in found] == ["Brewster", "Babinet", "Arago"]
     elevation = [np.degrees(np.arcsin(towards[1])) for _, towards in found]
-    # Between rows of 1 degree.
-    np.testing.assert_allclose(elevation, [9.5, 49.5, 9.5], atol=0.01)
+    # Between rows of 1 degree; in cells of 0.02 degrees, of which the one beside may be taken where
+    # columns of 45 degrees have an edge.
+    np.testing.assert_allclose(elevation, [9.5, 49.5, 9.5], atol=0.06)
     assert neutral_points(omma.light.uniform_sky(), 0) == []
+
+
+def test_nothing_is_polarised_at_neutral_points_of_a_moon_in_twilight():
+    pytest.importorskip("ephem")
+    # A crescent 34 degrees beside the sun, which has set: neither's meridian is an axis of the sky.
+    moment = datetime(2026, 1, 22, 17, 30, tzinfo=timezone.utc)
+    few = omma.light.Bands.from_edges([345, 355, 435, 445, 545, 555])
+    light = omma.light.natural_sky_at(moment, -25, 29, bands=few)
+    for band in (0, 2, 4):
+        found = neutral_points(light, band)
+        # The crescent's light is weak, so that they are where they are without it.
+        assert [name for name, _ in found] == ["Babinet of the sun", "Arago of the sun"]
+        for (_, towards), azimuth in zip(found, (244.3, 64.3), strict=True):
+            i, q, u = light.radiance(towards)[:, band]
+            assert np.hypot(q, u) < 0.005 * i  # the degree at the old crosses was 0.35
+            beside = omma.base.directions.azimuth_elevation_deg_of(towards)[0] - azimuth
+            assert abs((beside + 180) % 360 - 180) < 1
+
+
+def test_neutral_points_of_two_lights_as_strong_are_neithers():
+    few = omma.light.Bands.equal(1, 435, 445)
+    sun = omma.light.natural_sky(-9, bands=few)
+    moon = omma.light.moonlit_sky(20, moon_azimuth_deg=90, bands=few)
+    level = sum(sun.irradiance())[0] / moon.irradiance()[0][0]
+    both = sun + float(level) * moon
+    found = neutral_points(both, 0)
+    assert found
+    assert {name for name, _ in found} == {""}
+    for _, towards in found:
+        i, q, u = both.radiance(towards)[:, 0]
+        assert np.hypot(q, u) < 0.01 * i
+
+
+def test_a_moon_by_day_and_a_high_sun_do_not_disturb_neutral_points():
+    pytest.importorskip("ephem")
+    few = omma.light.Bands.equal(1, 435, 445)
+    # The sun is 11.5 degrees up, the moon above it.
+    moment = datetime(2026, 1, 22, 16, tzinfo=timezone.utc)
+    day = omma.light.natural_sky_at(moment, -25, 29, bands=few)
+    assert [name for name, _ in neutral_points(day, 0)] == ["Babinet", "Arago"]
+    # Near the zenith, where directions of the map meet, nothing is added.
+    high = omma.light.clear_sky(75, sun_azimuth_deg=200, bands=few)
+    assert [name for name, _ in neutral_points(high, 0)] == ["Brewster", "Babinet"]
+    moonlit = omma.light.moonlit_sky(40, bands=few)
+    assert [name for name, _ in neutral_points(moonlit, 0)] == ["Brewster", "Babinet"]
 
 
 def test_neutral_points_have_names_where_these_belong():

@@ -60,14 +60,15 @@ def lit_strips(phase_angle_deg: float) -> list[tuple[float, float, float, float]
     lit = (toward_us > 0) & (toward_sun > 0)
     light = np.where(lit, toward_sun / np.where(lit, toward_sun + toward_us, 1), 0.0)
     count = int(np.clip(np.round(2 / (1 + np.cos(phase))), 1, _MOST_STRIPS))
-    strip = np.minimum(((y + 1) / 2 * count).astype(np.int64), count - 1)
+    strip = np.minimum(((side + 1) / 2 * count).astype(np.int64), count - 1)
     found = []
     for k in range(count):
-        own = light * (strip == k)
-        own /= own.sum()
-        at_x, at_y = float((own * x).sum()), float((own * y).sum())
-        spread = float((own * ((x - at_x) ** 2 + (y - at_y) ** 2)).sum())
-        share = float(light[strip == k].sum() / light.sum())
+        rows = strip == k
+        share = float(light[rows].sum() / light.sum())
+        own = light[rows] / light[rows].sum()
+        at_x, at_y = float(own.sum(axis=0) @ side), float(own.sum(axis=1) @ side[rows])
+        spread = float(own.sum(axis=0) @ (side - at_x) ** 2)
+        spread += float(own.sum(axis=1) @ (side[rows] - at_y) ** 2)
         # Of an even disc the mean square distance from its middle is half its radius squared.
         found.append((share, float(np.sqrt(2 * spread)), at_x, at_y))
     return found

@@ -16,7 +16,7 @@ from omma.light.lights import Light, makes_light
 from omma.light.moon_discs import bright_limb_deg
 from omma.light.skies import clear_sky, moonlit_sky
 from omma.light.sky_tables import LOWEST_SUN_DEG
-from omma.light.sun_position import moon_position, sun_position
+from omma.light.sun_position import MoonPosition, moon_position, sun_position
 from omma.light.units import Unit
 
 # log10 of the illuminance of level ground, lux, by powers of elevation over 90 degrees, from -5 to
@@ -24,6 +24,7 @@ from omma.light.units import Unit
 # 1992; Vallado, Fundamentals of Astrodynamics, table 5-1).
 _CIVIL, _LATE = (2.70, 12.17, -431.69, -1899.83), (13.84, 262.72, 1447.42, 2797.93)
 _LAST_DEG = -18.0
+_MOST_PHASE_DEG = 150.0  # of a moon that counts
 
 
 @checked
@@ -127,7 +128,7 @@ def natural_sky_at(
             sun_azimuth_deg=sun.azimuth_deg,
             **air,
         )
-    if moon.elevation_deg < LOWEST_SUN_DEG or abs(moon.phase_angle_deg) > 150:
+    if not is_moonlit(moon):
         return light
     moonlit = moonlit_sky(
         moon.elevation_deg,
@@ -140,6 +141,11 @@ def natural_sky_at(
         **air,
     )
     return light + moonlit
+
+
+def is_moonlit(moon: MoonPosition) -> bool:
+    """Whether a sky of `natural_sky_at` has the light of its moon."""
+    return moon.elevation_deg >= LOWEST_SUN_DEG and abs(moon.phase_angle_deg) <= _MOST_PHASE_DEG
 
 
 def twilight_share(sun_elevation_deg: float) -> float:

@@ -18,6 +18,7 @@ from omma.base.arrays import Floats
 from omma.light.haze_kinds import depth_between, haze_of
 from omma.light.sky_height import MOST_HEIGHT_M, air_above, less_air
 from omma.light.sky_zenith import smooth_at_zenith
+from omma.light.splines import spline_through
 from omma.light.units import PHOTONS_PER_JOULE_NM
 
 _LEAST_SUN_NM = 0.1  # between the edges of what is stored of the sun
@@ -310,10 +311,7 @@ def neighbours(nodes: Floats, at: float) -> list[tuple[int, float]]:
 @functools.lru_cache(maxsize=64)
 def spline_matrix(nodes: tuple[float, ...], at: tuple[float, ...]) -> Floats:
     """(points, nodes), which takes values at nodes to those of their cubic spline."""
-    from scipy.interpolate import CubicSpline
-
-    matrix: Floats = CubicSpline(np.array(nodes), np.eye(len(nodes)))(np.array(at))
-    return matrix
+    return spline_through(np.array(nodes), np.eye(len(nodes)), np.array(at))
 
 
 def elevation_matrix(elevation_deg: tuple[float, ...]) -> Floats:
@@ -325,8 +323,6 @@ def elevation_matrix(elevation_deg: tuple[float, ...]) -> Floats:
 @functools.lru_cache(maxsize=64)
 def azimuth_matrices(azimuth_deg: tuple[float, ...]) -> tuple[Floats, Floats]:
     """For what is the same on both sides of the sun, and for what changes its sign."""
-    from scipy.interpolate import CubicSpline
-
     nodes = stored_tables()["azimuth_deg"]  # from 0 to 180
     round_ = np.concatenate([nodes, 360 - nodes[-2::-1]])
     matrices = []
@@ -335,5 +331,5 @@ def azimuth_matrices(azimuth_deg: tuple[float, ...]) -> tuple[Floats, Floats]:
         if sign < 0:
             eye[0] = eye[-1] = 0
         values = np.concatenate([eye, sign * eye[-2::-1]])
-        matrices.append(CubicSpline(round_, values, bc_type="periodic")(np.array(azimuth_deg)))
+        matrices.append(spline_through(round_, values, np.array(azimuth_deg), is_periodic=True))
     return matrices[0], matrices[1]

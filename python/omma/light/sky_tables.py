@@ -6,6 +6,7 @@ sun: its radiance times what one unit of it gives.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -124,20 +125,22 @@ def clear_sky_map(
     turn = np.arange(COLUMNS) * (360 / COLUMNS) - float(sun_azimuth_deg)
     relative = np.round((turn + 180) % 360 - 180, 9)  # right of the sun
     azimuth, column = np.unique(np.abs(relative), return_inverse=True)
-    log_i, q, u = sky.stokes(elevation, azimuth, nm)
     spectrum = sun_spectrum(nm, unit, width_nm)
-    radiance = np.exp(log_i) * spectrum.astype(np.float32)
     direct = spectrum * sky.transmission(nm)
     solid_angle = _solid_angles(elevation, np.bincount(column))
-    of_sky = np.einsum("d,dk->k", solid_angle.ravel(), radiance.reshape(-1, len(nm)))
+    bands = weights.T.astype(np.float32)
+    above = np.empty((ROWS, len(azimuth), 3, len(weights)), np.float32)
+    of_sky = np.zeros(len(nm))
+    for row, (log_i, q, u) in enumerate(sky.rows(elevation, azimuth, nm)):
+        radiance = np.exp(log_i) * spectrum.astype(np.float32)
+        of_sky += np.einsum("d,dk->k", solid_angle[row], radiance)
+        for k, one in enumerate((radiance, radiance * q, radiance * u)):
+            above[row, :, k] = product(one, bands)
     lit = of_sky + direct * max(0.0, np.sin(np.radians(sun_elevation_deg)))
     ground, back, back_q = sky.ground(elevation, nm, albedo)
     shine = lit * ground  # the ground's radiance
-    bands = weights.T.astype(np.float32)
-    above = np.empty((ROWS, len(azimuth), 3, len(weights)), np.float32)
-    above[:, :, 0] = product(radiance, bands) + product(back * shine, weights.T)[:, None]
-    above[:, :, 1] = product(radiance * q, bands) + product(back_q * shine, weights.T)[:, None]
-    above[:, :, 2] = product(radiance * u, bands)
+    above[:, :, 0] += product(back * shine, weights.T)[:, None]
+    above[:, :, 1] += product(back_q * shine, weights.T)[:, None]
     result = np.zeros((2, ROWS, COLUMNS, 3, len(weights)), np.float32)
     result[0] = above[:, column]
     result[0, :, :, 2] *= np.where(relative < 0, -1, 1)[:, None]
@@ -228,7 +231,13 @@ class TableSky:
             self.fields = self.fields + change
 
     def stokes(self, elevation_deg: Floats, azimuth_deg: Floats, nm: Floats) -> Any:
-        """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each.
+        """log(I / irradiance), Q/I, U/I, float32: (elevation, azimuth, K) each."""
+        rows = [*self.rows(elevation_deg, azimuth_deg, nm)]
+        return tuple(np.stack([row[k] for row in rows]) for k in range(3))
+
+    def rows(self, elevation_deg: Floats, azimuth_deg: Floats, nm: Floats) -> Iterator[Any]:
+        """The same for one elevation after the other, (azimuth, K) each: little enough to stay
+        where the processor has it at hand.
 
         Where noise of the tables makes a degree of polarisation of more than 1, it is 1.
         """
@@ -242,12 +251,15 @@ class TableSky:
         log_i = np.concatenate([log_i, passed * self.ozone_du])
         along = spline_matrix(tuple(table["wavelength_nm"]), tuple(nm))
         with_ozone = np.column_stack([along, -ozone_between(table, nm)])
-        log_i, q, u = (
-            product(np.moveaxis(one, 0, -1).astype(np.float32, order="C"), by.T.astype(np.float32))
-            for one, by in ((log_i, with_ozone), (q, along), (u, along))
-        )
-        over = np.maximum(np.hypot(q, u), 1)
-        return log_i, q / over, u / over
+        fields = [np.moveaxis(one, 0, -1).astype(np.float32, order="C") for one in (log_i, q, u)]
+        matrices = [one.T.astype(np.float32) for one in (with_ozone, along, along)]
+        for row in zip(*fields, strict=True):
+            log_i, q, u = map(product, row, matrices)
+            square = q * q + u * u
+            if square.max() > 1:
+                over = np.sqrt(np.maximum(square, 1))
+                q, u = q / over, u / over
+            yield log_i, q, u
 
     def _between(self, fields: Any, elevation_deg: Floats, azimuth_deg: Floats) -> list[Any]:
         """Fields [1 to 3, K, elevation, azimuth] of the tables' directions in others: what is alike
@@ -257,7 +269,7 @@ class TableSky:
         sign = np.array([1, 1, -1])[: len(fields), None, None, None]
         beyond = sign * fields[:, :, -1:-5:-1, ::-1]  # over the zenith, down the other side
         each = up @ np.concatenate([fields, beyond], axis=2)
-        return [one @ by.T for one, by in zip(each, (even, even, odd))]
+        return [product(one, by.T) for one, by in zip(each, (even, even, odd))]
 
     @property
     def _is_other(self) -> bool:

@@ -19,21 +19,15 @@ from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.light.bands import Bands
-from omma.light.lights import Light, is_made_by, is_under_water
-from omma.light.sky_tables import LOWEST_SUN_DEG
+from omma.light.lights import Light
 from omma.picture.light_titles import light_title
+from omma.picture.neutral_points import neutral_points
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
-# So much is polarised so far from a neutral point of a clear sky in ultraviolet and blue; less of
-# hazy ones at long wavelengths, and in clouds.
-_AROUND_DEG, _LEAST_AROUND = 6.0, 0.02
 _DRAWN_NM = (350.0, 440.0, 550.0)  # where nobody says
 _MOST_WAVELENGTHS = 6
 _LETTERS = 100  # of a title across the figure
-# From the sun or from the point opposite: of clear skies of all suns, bands and hazes that there
-# are tables of, Babinet's are up to 28 degrees away, Brewster's up to 37 and Arago's up to 31.
-_MOST_AWAY_DEG = 45.0
 #: Of spectral radiance and irradiance.
 RADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "watts": "W m⁻² sr⁻¹ nm⁻¹"}
 _IRRADIANCE_UNITS = {"photons": "photons m⁻² s⁻¹ nm⁻¹", "watts": "W m⁻² nm⁻¹"}
@@ -52,11 +46,12 @@ def plot_sky(
     some wavelengths lie in, and the spectra of what sky and discs give to level ground.
 
     The sky as a map, seen from above: -Z (north) at the top, +X (east) at the right, the zenith in
-    the middle, equal angles equally far. Crosses are neutral points on the sun's meridian, where
-    nothing is polarised; in a sky that was changed or put together, by clouds say, only those with
-    polarised light around them. Names are of those above water that lie where the sky's own do,
-    within 45° of the sun or of the point opposite. A yellow dot is the sun or the moon, where it
-    shines.
+    the middle, equal angles equally far. Crosses are neutral points, where nothing is polarised, on
+    the meridian of the sun or the moon; all over the sky where both light it, by night and in
+    twilight; in a sky that was changed or put together, by clouds say, only those with polarised
+    light around them. Names are of those above water that lie where the sky's own do, on the
+    meridian within 45° of the sun, the moon or the point opposite. A yellow dot is the sun or the
+    moon, where it shines.
 
     Args:
         paths: .pdf, .svg or .png, one or several.
@@ -117,71 +112,6 @@ def _band_of(bands: Bands, nm: float) -> int:
     return int(np.argmin(np.abs(bands.centers_nm - nm)))
 
 
-def neutral_points(light: Light, band: int) -> list[tuple[str, Floats]]:
-    """Neutral points on the meridian of the first disc, or of the sun that has set, above the
-    horizon: names and directions (3,). Within 45° above the sun it is Babinet's, below it
-    Brewster's, above the point opposite Arago's; elsewhere, and under water, where the surface
-    polarises too, "".
-
-    A sky that is no longer as it was made may have clouds, in which polarisation is too weak to
-    have a neutral point that anyone could see, though it still changes its sign there.
-    """
-    place = _sun_of(light)
-    if light.sky is None or light.sky.shape[3] == 1 or place is None:
-        return []
-    azimuth, sun = place
-    # From the horizon below the sun over the zenith to the horizon opposite.
-    arc = np.linspace(0.25, 179.75, 719)
-    along = np.where(
-        (arc <= 90)[:, None], direction(azimuth, arc), direction(azimuth + 180, 180 - arc)
-    )
-    stokes = light.radiance(along)[:, :, band]
-    q = stokes[:, 1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        degree = np.hypot(q, stokes[:, 2]) / stokes[:, 0]
-    is_submerged = is_under_water(light)
-    # The light of a night hides that of a twilight that fades.
-    is_night = sun < LOWEST_SUN_DEG
-    is_mixed = is_submerged or is_night or is_made_by(light, "clouded", "plus")
-    is_changed = light.recipe is None or is_mixed
-    reach = round(_AROUND_DEG / (arc[1] - arc[0]))
-    found = []
-    for k in np.flatnonzero(q[:-1] * q[1:] < 0):
-        beside = degree[max(k - reach, 0) : k + 1].max(), degree[k + 1 : k + reach + 2].max()
-        if is_changed and not min(beside) >= _LEAST_AROUND:
-            continue
-        at = arc[k] + (arc[k + 1] - arc[k]) * q[k] / (q[k] - q[k + 1])
-        name = "" if is_submerged else _name(at - sun, 180 + sun - at)
-        towards = direction(azimuth, at) if at <= 90 else direction(azimuth + 180, 180 - at)
-        found.append((name, np.asarray(towards)))
-    return found
-
-
-def _sun_of(light: Light) -> tuple[float, float] | None:
-    """Azimuth and elevation, degrees, of the first disc, or of the sun below the horizon of a sky
-    that was made for one; None: there is none."""
-    if light.discs:
-        azimuth, elevation = azimuth_elevation_deg_of(light.discs[0].direction)
-        return float(azimuth), float(elevation)
-    if light.recipe is None:
-        return None
-    name, arguments = light.recipe
-    if name in ("clear_sky", "natural_sky"):
-        return float(arguments.get("sun_azimuth_deg", 0)), float(arguments["sun_elevation_deg"])
-    within = arguments.get("light")
-    place = _sun_of(within) if isinstance(within, Light) else None
-    if place is None or name != "turned":
-        return place
-    return place[0] + float(arguments["azimuth_deg"]), place[1]
-
-
-def _name(from_sun_deg: float, from_antisun_deg: float) -> str:
-    """Of a neutral point so far up from the sun, and from the point opposite to it."""
-    if abs(from_sun_deg) <= _MOST_AWAY_DEG:
-        return "Babinet" if from_sun_deg > 0 else "Brewster"
-    return "Arago" if 0 < from_antisun_deg <= _MOST_AWAY_DEG else ""
-
-
 def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
     figure = load_matplotlib()(
         figsize=(size_mm * MM, size_mm * MM * (0.25 * len(bands) + 0.27)), layout="constrained"
@@ -208,8 +138,9 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
         _angle(figure, skies[row][2], np.degrees(np.arctan2(u, q)) / 2, degree)
         for panel in skies[row]:
             _sky_frame(panel, light)
+        points = neutral_points(light, band)
         for panel in skies[row][1:]:
-            _mark_neutral(panel, neutral_points(light, band))
+            _mark_neutral(panel, points)
     for panel, name in zip(
         skies[0], ("radiance", "degree of polarisation", "angle of polarisation"), strict=True
     ):
