@@ -1462,6 +1462,7 @@ class Light:
         ultraviolet: (M, 4), of each material of the scene that will be lit: reflectance below
             400 nm of what is known in RGB only, as weights of red, green, blue and 1.
         emission_cd_m2: what white emission of 1 is, cd m^-2.
+        bottomless: whether the air between surfaces goes on below without end, as water does.
 
     Raises `omma.Error` that names the argument.
     """
@@ -1498,6 +1499,9 @@ class Light:
     @property
     def extinction_per_m(self, /) -> numpy.typing.NDArray[numpy.float64] | None:
         """Read-only, (B,); or None."""
+
+    @property
+    def bottomless(self) -> bool: ...
 
     @property
     def cloud_shadow(self, /) -> tuple[numpy.typing.NDArray[numpy.float32], float, float, tuple[float, float]] | None:
