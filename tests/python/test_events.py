@@ -294,3 +294,17 @@ BAD = [
 def test_bad_input(call, message):
     with pytest.raises(omma.Error, match=message):
         call()
+
+
+@pytest.mark.parametrize("other", [{"signal": "linear"}, {"dark": 0.1}])
+def test_the_state_of_a_sensor_in_another_unit_is_refused(other):
+    """Its numbers are logarithms, or not, and of more light or less."""
+    state, _ = EventSensor(0.2, **other).step(None, np.ones(3), 0.0)
+    with pytest.raises(omma.Error, match="state: expected that of a sensor with signal 'log', da"):
+        EventSensor(0.2).step(state, np.ones(3), 1.0)
+    # Thresholds may change on the way: what is kept is the signal.
+    state, _ = EventSensor(0.2).step(None, np.ones(3), 0.0)
+    _, events = EventSensor(0.6).step(state, np.full(3, np.e), 1.0)
+    assert len(events) == 3
+    kept = omma.photoreceptors.EventState(0.0, state.signal, state.reference, state.ready_s)
+    assert len(EventSensor(0.6).step(kept, np.full(3, np.e), 1.0)[1]) == 3

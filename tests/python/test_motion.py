@@ -354,6 +354,27 @@ def test_what_are_no_frames():
     assert detectors.run(np.ones((0, 4))).shape == (0, 1)
 
 
+@pytest.mark.parametrize("other", [(0.05, 100, None), (TAU_S, 200, None), (TAU_S, 100, 0.25)])
+def test_the_state_of_other_detectors_is_refused(other):
+    """Its filters would go on from what others remember."""
+    own = omma.motion.detector_array(row(4), TAU_S, 100, pairs=[[0, 1]])
+    tau_s, rate_hz, high_s = other
+    others = omma.motion.detector_array(
+        row(4), tau_s, rate_hz, pairs=[[0, 1]], high_pass_tau_s=high_s
+    )
+    state, _ = others.step(None, np.ones(4))
+    state, _ = others.step(state, np.arange(4.0))
+    with pytest.raises(omma.Error, match=rf"state: expected .*{TAU_S}.*100.*found .*{tau_s}"):
+        own.step(state, np.ones(4))
+    # Of other pairs of the same ommatidia it is what these would remember.
+    pairs = omma.motion.detector_array(
+        row(4), tau_s, rate_hz, pairs=[[2, 3]], high_pass_tau_s=high_s
+    )
+    assert pairs.step(state, np.ones(4))[0] == others.step(state, np.ones(4))[0]
+    plain = omma.motion.DetectorState(state.frame, state.slow, state.late)
+    assert own.step(plain, np.ones(4))[1].shape == (1,)
+
+
 def test_what_are_no_gratings():
     with pytest.raises(omma.Error, match="wavelength_rad: expected numbers above 0, found 0"):
         omma.motion.grating_response(1, [0.1, 0], 1, 0.1, TAU_S)

@@ -645,7 +645,7 @@ def public_calls(folder):
             "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),
         }),
         "Population": (omma.Population(omma.World(scene), [eye, eye]), {
-            "render": (pose,), "with_eyes": ([eye],),
+            "render": (pose,), "render_receptors": (pose,), "with_eyes": ([eye],),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),

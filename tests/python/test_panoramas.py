@@ -267,7 +267,13 @@ def test_floats_of_pictures_in_8_bits_are_told():
         "background": lambda one: world.with_background(omma.Background.image(one)),
         "picture": lambda one: world.set_image(0, one),
         "paint": lambda one: omma.scene.plane(paint=one),
+        "wall": lambda one: omma.scene.drum(1, 1, one),
     }
+    board = np.where(bytes_ > 100, np.float32(255), np.float32(0))
+    for name in ("picture", "paint", "wall"):
+        for image in (omma.scene.Image(board), omma.scene.Image(bytes_.astype(np.float32))):
+            with pytest.warns(UserWarning, match=f"^{name}: .*whole numbers up to 255"):
+                ways[name](image)
     for name, way in ways.items():
         with pytest.warns(UserWarning, match=f"^{name}: .*whole numbers up to 25.*uint8"):
             way(bytes_.astype(np.float32))
@@ -277,3 +283,29 @@ def test_floats_of_pictures_in_8_bits_are_told():
             way((bytes_ / np.float32(255)).astype(np.float32))
             way(np.full((8, 16, 3), 100, np.float32))
             way(rng.gamma(1, 30, (8, 16, 3)).astype(np.float32))
+
+
+def test_pictures_of_less_than_no_light_are_refused_at_every_door():
+    """Backgrounds alone may be differences of pictures, and are warned of (above)."""
+    rng = np.random.default_rng(5)
+    good = rng.uniform(0, 1, (8, 16, 3)).astype(np.float32)
+    wrong = good.copy()
+    wrong[3, 4, 1] = -0.2
+    world = omma.World(omma.scene.drum(1, 1, good))
+    box = omma.scene.box(paint=good)
+    ways = {
+        "picture": lambda one: world.set_image(0, one),
+        "wall": lambda one: omma.scene.drum(1, 1, one),
+        "left": lambda one: omma.scene.corridor(2, 1, 1, one, good),
+        "paint": lambda one: omma.scene.plane(paint=one),
+    }
+    for name, way in ways.items():
+        for one in (wrong, omma.scene.Image(wrong), wrong.astype(np.float64)):
+            with pytest.raises(omma.Error, match=rf"^{name}: .*-0\.2 in band 1 of pixel \(3, 4\)"):
+                way(one)
+        way(good)
+    scene = box.replace(images=[omma.scene.Image(wrong)])
+    with pytest.raises(omma.Error, match=r"^images\[0\]: .*pixel \(3, 4\)"):
+        omma.World(scene)
+    seen = omma.Renderer(world, omma.eye.generate_eye(20)).render(np.eye(4))
+    assert seen.min() >= 0

@@ -76,6 +76,25 @@ def test_relative_units():
     assert np.std(noisy) == pytest.approx(np.sqrt(100) / 200, rel=0.01)
 
 
+def test_receptors_have_their_own_photons_and_times():
+    """To the bits of each alone; a variance of R over the photons of each."""
+    responses = np.full((50, 4000, 3), 0.5)
+    per_s, time_s = np.array([500.0, 20_000.0, 4e6]), np.array([0.02, 0.01, 0.005])
+    noisy = photon_noise(responses, 4, photons_per_s=per_s, integration_time_s=time_s)
+    means = 0.5 * per_s * time_s
+    counts = photon_noise(np.broadcast_to(means, responses.shape), 4)
+    np.testing.assert_allclose(noisy, counts / (per_s * time_s))
+    # 200,000 numbers: their variance is known to 0.3 %.
+    np.testing.assert_allclose(noisy.var((0, 1)), 0.5 / (per_s * time_s), rtol=0.015)
+    one = photon_noise(responses, 4, photons_per_s=per_s, integration_time_s=0.01)
+    same = photon_noise(responses, 4, photons_per_s=per_s, integration_time_s=[0.01] * 3)
+    assert np.array_equal(one, same)
+    ommatidia = np.linspace(1e3, 1e4, 4000)[:, None]
+    assert photon_noise(responses, 4, photons_per_s=ommatidia, integration_time_s=0.01).shape == (
+        responses.shape
+    )
+
+
 def test_noise_that_is_filtered_is_that_of_the_integration_time():
     """Photons of each frame, then the filter: the variance is rate × ∫h², as if those of the
     integration time were counted.
@@ -116,6 +135,14 @@ ONES = np.ones((2, 3))
         (
             lambda: photon_noise(ONES, 0, photons_per_s=0.0, integration_time_s=1.0),
             "photons_per_s: expected a number above 0",
+        ),
+        (
+            lambda: photon_noise(ONES, 0, photons_per_s=[1, 2], integration_time_s=1.0),
+            r"photons_per_s: expected a shape that goes with \(3,\), found \(2,\)",
+        ),
+        (
+            lambda: photon_noise(ONES, 0, photons_per_s=1.0, integration_time_s=[1, 0, 1]),
+            "integration_time_s: expected finite numbers above 0, found 0",
         ),
         (lambda: intrinsic_noise(ONES, -0.1, 0), "deviation: expected finite numbers from 0 on"),
         (lambda: intrinsic_noise(ONES, [1, 2], 0), r"deviation: expected a shape that goes with"),

@@ -80,6 +80,53 @@ def test_errors_and_one_eye_for_all(scene):
         assert np.array_equal(one, other)
 
 
+def with_receptors(eyes, beside):
+    """Ommatidia of one receptor and of two, which may look beside the axis."""
+    looks = {"right_rad": 0.02, "up_rad": -0.01} if beside else {}
+    types = [
+        omma.receptors.ReceptorType("green", peak_wavelength_nm=540),
+        omma.receptors.ReceptorType(
+            "blue", peak_wavelength_nm=440, polarisation_sensitivity=4.0, **looks
+        ),
+    ]
+    return [
+        eye.replace(receptor_types=types, receptors=[[[1], [0, 1]][i % 2] for i in range(len(eye))])
+        for eye in eyes
+    ]
+
+
+@pytest.mark.filterwarnings("ignore:receptors have a polarisation sensitivity")
+@pytest.mark.parametrize("beside", [False, True])
+@pytest.mark.parametrize("polarized", [False, True])
+def test_receptors_of_each_are_those_it_has_alone(beside, polarized):
+    bands = omma.light.Bands.equal(4, 400.0, 700.0)
+    light = omma.light.clear_sky(30, sun_azimuth_deg=120, bands=bands)
+    world = omma.World(omma.scene.box(), light=light, polarized=polarized)
+    eyes = with_receptors(eyes_of(4, lambda rng, k, size: np.full(size, 0.05)), beside)
+    poses = omma.poses_from_angles(np.tile((0, 2, 3), (8, 1)), np.arange(24).reshape(8, 3))
+    poses = poses.reshape(2, 4, 4, 4)
+    population = omma.Population(world, eyes, omma.Fixed(8))
+    found = population.render_receptors(poses)
+    same, errors = population.render_receptors(poses, standard_error=True)
+    for e, eye in enumerate(eyes):
+        renderer = omma.Renderer(world, eye, omma.Fixed(8))
+        assert found[e].shape == (2, len(eye.receptor_type))
+        assert np.array_equal(found[e], renderer.render_receptors(poses[:, e]))
+        one, error = renderer.render_receptors(poses[:, e], standard_error=True)
+        assert np.array_equal(same[e], one)
+        assert np.array_equal(errors[e], error)
+    weights = np.arange(8.0).reshape(2, 4)
+    mixed = population.render_receptors(poses[0], matrix=weights)[1]
+    one = omma.Renderer(world, eyes[1], omma.Fixed(8))
+    assert np.array_equal(mixed, one.render_receptors(poses[0, 1], matrix=weights))
+
+
+def test_eyes_without_receptors_have_none_to_render(scene):
+    population = omma.Population(scene, eyes_of(2, lambda *_: 0.05), omma.Fixed(1))
+    with pytest.raises(omma.Error, match="expected ommatidia with receptors, found none"):
+        population.render_receptors(AHEAD)
+
+
 def test_the_next_generation(scene):
     world = omma.World(scene)
     pose = scene.camera("bee").world_from_camera

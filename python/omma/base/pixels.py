@@ -11,8 +11,8 @@ from omma._core import Error
 from omma.base.srgb import linear_of_srgb
 from omma.base.warn import warn_caller
 
-# Floats of 8-bit pictures are whole numbers up to 255; fewer levels, or none above so much, may as
-# well be radiances that somebody made up.
+# Floats of 8-bit pictures are whole numbers up to 255; fewer levels without that very number, or
+# none above so much, may as well be radiances that somebody made up.
 _WHITE, _LEAST_WHITE, _LEAST_LEVELS = 255, 16, 8
 # So many of a picture's numbers are looked at.
 _LOOKED_AT = 1 << 14
@@ -28,6 +28,14 @@ def check_radiance(pixels: NDArray[Any], name: str, hint: str = "") -> None:
     wrong = _first_wrong(pixels)
     if wrong is not None:
         raise Error(f"{name}: expected radiances of at least 0, found {wrong}{hint}")
+
+
+def check_picture(pixels: NDArray[Any], name: str) -> None:
+    """omma.Error where a picture (height, width, 3 or 4) in floats is negative, with the pixel; the
+    caller of the package is told of one in 8 bits."""
+    if pixels.dtype.kind == "f":
+        check_radiance(pixels[..., :3], name)
+        warn_of_bytes(pixels[..., :3], name)
 
 
 def warn_of_background(pixels: NDArray[Any] | None) -> None:
@@ -57,7 +65,7 @@ def warn_of_bytes(pixels: NDArray[Any], name: str) -> None:
     most = float(some.max())
     if not (some.min() >= 0 and _LEAST_WHITE <= most <= _WHITE and (some == np.rint(some)).all()):
         return
-    if len(np.unique(some)) < _LEAST_LEVELS:
+    if most < _WHITE and len(np.unique(some)) < _LEAST_LEVELS:
         return
     meant = float(linear_of_srgb(np.array(most / _WHITE)))
     warn_caller(

@@ -36,12 +36,14 @@ class DetectorState:
     """What detectors remember from frame to frame, of each ommatidium (N,) or (N, B).
 
     frame: the last frame, radiance; slow: its low-pass, which the high-pass takes away (0 where
-    there is none); late: the delayed arm.
+    there is none); late: the delayed arm. filters: (tau_s, high_pass_tau_s, frame_rate_hz) of the
+    detectors whose it is; None: of any, nothing is compared.
     """
 
     frame: Floats
     slow: Floats
     late: Floats
+    filters: tuple[float, float | None, float] | None = None
 
 
 @value_class
@@ -85,8 +87,9 @@ class DetectorArray:
         """The outputs at a frame, from what was remembered at the one before.
 
         Args:
-            state: what the last call returned; None at the first frame, before which the world is
-                taken to have always been as it shows it.
+            state: what the last call returned, of detectors with the same time constants and frame
+                rate; None at the first frame, before which the world is taken to have always been
+                as it shows it.
             frame: responses (N,) or (N, B), bands each for itself; or of B environments that step
                 together.
 
@@ -94,7 +97,8 @@ class DetectorArray:
             (state, outputs): outputs (E,) or (E, B), radiance squared.
 
         Raises:
-            omma.Error: a wrong shape, or numbers that are not finite.
+            omma.Error: a wrong shape, numbers that are not finite, or the state of detectors with
+                other time constants or another frame rate.
         """
         now = array_of(frame, "frame", [(self.count,), (self.count, "B")], finite=True)
         # A copy: the caller may render the next frame into the same array.
@@ -184,10 +188,15 @@ class DetectorArray:
         # As if the frame had stood still for ever.
         none = np.zeros_like(frame)
         if self.high_pass_tau_s is None:
-            return DetectorState(frame, none, frame)
-        return DetectorState(frame, frame, none)
+            return DetectorState(frame, none, frame, self._own)
+        return DetectorState(frame, frame, none, self._own)
 
     def _next(self, then: DetectorState, frame: Floats) -> DetectorState:
+        if then.filters is not None and tuple(then.filters) != self._own:
+            raise Error(
+                f"state: expected that of detectors with {_words(self._own)}, found that of "
+                f"detectors with {_words(then.filters)}"
+            )
         if then.frame.shape != frame.shape:
             raise Error(f"frame: expected shape {then.frame.shape} as before, found {frame.shape}")
         f = self._filters
@@ -195,7 +204,12 @@ class DetectorArray:
         slow = then.slow + f.slow_gain * high + f.slow_rise * rise
         late = then.late + f.late_gain * (high - then.late) + f.late_more * high
         late += f.late_rise * rise
-        return DetectorState(frame, slow, late)
+        return DetectorState(frame, slow, late, self._own)
+
+    @property
+    def _own(self) -> tuple[float, float | None, float]:
+        high = None if self.high_pass_tau_s is None else float(self.high_pass_tau_s)
+        return float(self.tau_s), high, float(self.frame_rate_hz)
 
     @cached_property
     def _filters(self) -> FilterStep:
@@ -273,6 +287,11 @@ def detector_array(
             warn_of_slip("time constant", getattr(made, name), name)
     warn_of_slip("frames per second", made.frame_rate_hz, "frame_rate_hz")
     return made
+
+
+def _words(filters: tuple[float, float | None, float]) -> str:
+    names = ("tau_s", "high_pass_tau_s", "frame_rate_hz")
+    return ", ".join(f"{name} {value}" for name, value in zip(names, filters, strict=True))
 
 
 def _check_pairs(pairs: Ints, count: int) -> None:

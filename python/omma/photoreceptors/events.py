@@ -48,13 +48,15 @@ class EventState:
 
     time_s: when the last frame was; signal: the logarithm of its light; reference: that of the last
     event, or of the end of the reset after it; ready_s: when that reset ends, -inf before the first
-    event.
+    event. unit: (signal, dark) of the sensor whose it is, by which numbers are what they are; None:
+    of any, nothing is compared.
     """
 
     time_s: float
     signal: Floats
     reference: Floats
     ready_s: Floats
+    unit: tuple[str, float] | None = None
 
 
 @value_class
@@ -120,8 +122,8 @@ class EventSensor:
         """The events since the frame before.
 
         Args:
-            state: what the last call returned; None at the first frame, which has no events and is
-                what the next are compared with.
+            state: what the last call returned, of a sensor with the same ``signal`` and ``dark``;
+                None at the first frame, which has no events and is what the next are compared with.
             frame: responses (N,) or (N, R), of ommatidia and bands or receptors.
             time_s: when it is, s; after the frame before.
 
@@ -132,8 +134,14 @@ class EventSensor:
 
         Raises:
             omma.Error: a wrong shape, numbers that are not finite, a time that is not after the one
-                before; for "log" responses that are negative, or 0 where ``dark`` is 0.
+                before; for "log" responses that are negative, or 0 where ``dark`` is 0; the state
+                of a sensor with another ``signal`` or ``dark``.
         """
+        if state is not None and state.unit is not None and tuple(state.unit) != self._unit:
+            raise Error(
+                "state: expected that of a sensor with signal {!r}, dark {:g}, found that of one "
+                "with signal {!r}, dark {:g}".format(*self._unit, *state.unit)
+            )
         now = self._signal_of(frame, "frame")
         array_of(now, "frame", [("N",), ("N", "R")])
         at = _time(time_s, state)
@@ -141,7 +149,8 @@ class EventSensor:
             for name in ("on_threshold", "off_threshold"):
                 self._threshold(name, now.shape)
             none = np.empty(0, EVENT)
-            return EventState(at, now, now.copy(), np.full(now.shape, -np.inf)), none
+            never = np.full(now.shape, -np.inf)
+            return EventState(at, now, now.copy(), never, self._unit), none
         if state.signal.shape != now.shape:
             raise Error(f"frame: expected shape {state.signal.shape} as before, found {now.shape}")
         return self._between(state, now, at)
@@ -215,6 +224,10 @@ class EventSensor:
         made: xarray.Dataset = package.Dataset(variables, coordinates, about_all)
         return made
 
+    @property
+    def _unit(self) -> tuple[str, float]:
+        return self.signal, self.dark
+
     def _signal_of(self, frame: ArrayLike, name: str) -> Floats:
         if self.signal == "linear":
             given = array_of(frame, name)
@@ -280,7 +293,8 @@ class EventSensor:
             reference = np.where(has, met, reference)
         else:
             reference = reference + sign * number * threshold
-        return EventState(at, now, reference.reshape(shape), ready.reshape(shape)), events
+        after = reference.reshape(shape), ready.reshape(shape)
+        return EventState(at, now, *after, self._unit), events
 
 
 @checked

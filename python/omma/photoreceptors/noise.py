@@ -28,8 +28,8 @@ def photon_noise(
     catches: ArrayLike,
     seed: int,
     *,
-    photons_per_s: float | None = None,
-    integration_time_s: float | None = None,
+    photons_per_s: ArrayLike | None = None,
+    integration_time_s: ArrayLike | None = None,
     first_frame: int = 0,
 ) -> Floats:
     """Photons as they come, by chance: Poisson numbers with these means.
@@ -43,9 +43,10 @@ def photon_noise(
         catches: (F, ...), frames first: mean photons in the time over which a receptor adds up, or
             responses.
         seed: 0 to 2⁶⁴ - 1; another one gives other numbers.
-        photons_per_s: that a receptor absorbs at a response of 1.
+        photons_per_s: that a receptor absorbs at a response of 1; a number, or one for each, that
+            goes with the shape of a frame.
         integration_time_s: over which it adds up: 1 / frame rate where frames are filtered
-            afterwards, else `ImpulseResponse.integration_time_s`.
+            afterwards, else `ImpulseResponse.integration_time_s`; a number, or one for each.
         first_frame: number of the first frame. Frames by themselves or in pieces, numbered on, get
             the numbers that they have in the whole.
 
@@ -53,20 +54,23 @@ def photon_noise(
         Of the same shape.
 
     Raises:
-        omma.Error: catches that are negative, not finite or more than 9e15 photons, or only one of
-            ``photons_per_s`` and ``integration_time_s``.
+        omma.Error: catches that are negative, not finite or more than 9e15 photons; only one of
+            ``photons_per_s`` and ``integration_time_s``, or one that is not above 0 or of another
+            shape.
 
     Warns:
         UserWarning: an integration time above 5 s.
     """
     if (photons_per_s is None) != (integration_time_s is None):
         raise Error("photon_noise: expected both of photons_per_s and integration_time_s, or none")
-    unit = 1.0
-    if photons_per_s is not None and integration_time_s is not None:
-        unit = positive(photons_per_s, "photons_per_s")
-        unit *= positive(integration_time_s, "integration_time_s")
-        warn_of_slip("integration time", integration_time_s, "integration_time_s")
     given = _frames(catches, "catches")
+    unit: Floats | float = 1.0
+    if photons_per_s is not None and integration_time_s is not None:
+        shape = given.shape[1:]
+        times = _of_receptors(integration_time_s, "integration_time_s", shape)
+        unit = _of_receptors(photons_per_s, "photons_per_s", shape) * times
+        if times.size:
+            warn_of_slip("integration time", float(times.max()), "integration_time_s")
     mean = given * unit
     bad = np.argwhere(~((mean >= 0) & (mean <= _MOST)))
     if len(bad):
@@ -113,16 +117,31 @@ def intrinsic_noise(
         raise Error("deviation: expected finite numbers from 0 on")
     if not np.all(np.isfinite(given)):
         raise Error("responses: expected finite numbers")
-    try:
-        size = np.broadcast_to(size, given.shape[1:])
-    except ValueError:
-        raise Error(
-            f"deviation: expected a shape that goes with {given.shape[1:]}, found {size.shape}"
-        ) from None
+    size = _broadcast(size, "deviation", given.shape[1:])
     noisy = np.empty_like(given)
     for frame, generator in _generators(len(given), seed, first_frame, _INTRINSIC):
         noisy[frame] = given[frame] + size * generator.standard_normal(given.shape[1:])
     return noisy
+
+
+def _of_receptors(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    """Numbers above 0, of the shape of a frame."""
+    given = array_of(value, name)
+    if given.ndim == 0:
+        return np.broadcast_to(positive(float(given), name), shape)
+    bad = given[~(np.isfinite(given) & (given > 0))]
+    if len(bad):
+        raise Error(f"{name}: expected finite numbers above 0, found {bad[0]:g}")
+    return _broadcast(given, name, shape)
+
+
+def _broadcast(given: Floats, name: str, shape: tuple[int, ...]) -> Floats:
+    try:
+        return np.broadcast_to(given, shape)
+    except ValueError:
+        raise Error(
+            f"{name}: expected a shape that goes with {shape}, found {given.shape}"
+        ) from None
 
 
 def _frames(value: ArrayLike, name: str) -> Floats:

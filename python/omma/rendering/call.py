@@ -215,11 +215,12 @@ def render_eyes(
     frames: Frames,
     first_frame: int | None,
     progress: Progress | None,
+    output_from_band: NDArray[np.float64] | None = None,
 ) -> None:
     """Have the engine of a population fill frames (P, N, C), at poses (P x E, 4, 4)."""
     engine.render(
-        poses, frames.responses, frames.standard_error, None, None, None, first_frame, None, False,
-        None, progress,
+        poses, frames.responses, frames.standard_error, None, None, None, first_frame,
+        output_from_band, False, None, progress,
     )  # fmt: skip
     warn_of_poses(engine, poses)
 

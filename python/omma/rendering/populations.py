@@ -14,6 +14,8 @@ from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import new_floats
 from omma.base.progress import Progress
 from omma.rendering.call import Frames, Responses, render_eyes
+from omma.rendering.population_receptors import Filled, receptors_of, views_of
+from omma.rendering.receptor_views import ReceptorViews
 from omma.rendering.settings import (
     Fixed,
     Options,
@@ -101,6 +103,17 @@ class Population:
         settings = self._settings.engine_settings(self._threads, counts.tolist())
         self._engine = _core.Renderer(known, merged, settings)
         self._sizes: NDArray[np.int64] = counts
+        self._receptors: tuple[ReceptorViews, Population] | None = None
+
+    def _receptor_views(self) -> tuple[ReceptorViews, Population]:
+        """Where receptors look, and who renders that; made once."""
+        if self._receptors is None:
+            found, sizes = views_of(self.eye, self._sizes)
+            seen_by = self
+            if found.views is not None:
+                seen_by = self.with_eyes(found.views, sizes=sizes)
+            self._receptors = found, seen_by
+        return self._receptors
 
     @property
     def world(self) -> World:
@@ -117,6 +130,11 @@ class Population:
     def eye(self) -> Eye:
         """All of them, one eye behind the other."""
         return self._engine.eye
+
+    @property
+    def bands(self) -> int:
+        """Numbers that a response has: those of the world."""
+        return self._engine.bands
 
     @checked
     def render(
@@ -139,17 +157,58 @@ class Population:
         Raises:
             omma.Error: poses of another shape, or as `Renderer.render`.
         """
-        heads = self._poses(poses)
-        count = len(heads)
+        heads, first = self._poses(poses), frame_number(first_pose)
+        return _of_each(self._filled(heads, standard_error, first, progress), self._sizes)
+
+    @checked
+    def render_receptors(
+        self,
+        poses: ArrayLike | str,
+        *,
+        matrix: ArrayLike | None = None,
+        ultraviolet: ArrayLike | None = None,
+        standard_error: bool = False,
+        first_pose: int | None = None,
+        progress: Progress | None = None,
+    ) -> list[Responses] | tuple[list[Responses], list[Responses]]:
+        """What the receptors of each eye answer, (P, R) of its R, as `Renderer.render_receptors`
+        gives it of each alone.
+
+        Args:
+            poses, standard_error, first_pose, progress: as of `render`.
+            matrix, ultraviolet: as of `Renderer.render_receptors`, for all eyes.
+
+        Raises:
+            omma.Error: poses of another shape, or as `Renderer.render_receptors`.
+        """
+        heads, first = self._poses(poses), frame_number(first_pose)
+        _, seen_by = self._receptor_views()
+        found = receptors_of(
+            self,
+            lambda told, mixed: seen_by._filled(heads, standard_error, first, told, mixed),
+            matrix,
+            ultraviolet,
+            standard_error,
+            progress,
+        )
+        ends = np.append(0, np.cumsum(self._sizes))
+        return _of_each(found, np.diff(self.eye.first_receptor[ends]))
+
+    def _filled(
+        self,
+        heads: NDArray[np.float64],
+        standard_error: bool,
+        first_frame: int | None,
+        progress: Progress | None,
+        output_from_band: NDArray[np.float64] | None = None,
+    ) -> Filled:
+        """Responses (P, N, C) and their errors, of the bands or of mixtures of them."""
+        outputs = self.bands if output_from_band is None else len(output_from_band)
+        size = (len(heads), len(self.eye), outputs)
+        frames = Frames(new_floats(size), new_floats(size) if standard_error else None)
         flat = np.ascontiguousarray(heads.reshape(-1, 4, 4))
-        size = (count, len(self.eye), self._engine.bands)
-        responses = new_floats(size)
-        errors = new_floats(size) if standard_error else None
-        frames = Frames(responses, errors)
-        render_eyes(self._engine, flat, frames, frame_number(first_pose), progress)
-        ends = np.cumsum(self._sizes)[:-1]
-        found = np.split(responses, ends, axis=1)
-        return found if errors is None else (found, np.split(errors, ends, axis=1))
+        render_eyes(self._engine, flat, frames, first_frame, progress, output_from_band)
+        return frames.responses, frames.standard_error
 
     def _poses(self, poses: ArrayLike | str) -> NDArray[np.float64]:
         """(P, E, 4, 4)."""
@@ -175,6 +234,16 @@ class Population:
             f"<omma.Population {len(self._sizes):,} eyes of {len(self.eye):,} ommatidia, "
             f"{self._settings.sampling}, {self._engine.backend}>"
         )
+
+
+def _of_each(
+    found: Filled, sizes: NDArray[np.int64]
+) -> list[Responses] | tuple[list[Responses], list[Responses]]:
+    """Responses (P, R, ...), and errors where there are any, as those of eyes of so many (E,)."""
+    ends = np.cumsum(sizes)[:-1]
+    responses, errors = found
+    split = np.split(responses, ends, axis=1)
+    return split if errors is None else (split, np.split(errors, ends, axis=1))
 
 
 def _again(

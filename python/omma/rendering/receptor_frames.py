@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,9 @@ from omma.base.progress import Progress, share_of
 from omma.receptors.catches import type_polarisation
 from omma.rendering.call import Call, Frames, Poses, Prepared, Responses
 from omma.rendering.moves import MovesOptions, renderer_method
+from omma.rendering.receptor_views import ReceptorViews
 from omma.rendering.without_polarisation import tell_without_polarisation
+from omma.scene.world import World
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -26,7 +28,19 @@ if TYPE_CHECKING:
 # Bytes of radiance held at once while it becomes receptors' responses.
 _CHUNK_BYTES = 32 << 20
 # Types whose estimates are made in one render.
-_MOST_TYPES = 64
+MOST_TYPES = 64
+
+
+class Weighed(Protocol):
+    """What weights need of `omma.Renderer` or `omma.Population`."""
+
+    @property
+    def world(self) -> World: ...
+    @property
+    def eye(self) -> Eye: ...
+    @property
+    def bands(self) -> int: ...
+    def _receptor_views(self) -> tuple[ReceptorViews, Any]: ...
 
 
 @overload
@@ -119,7 +133,7 @@ def frames_of_receptors(
     """Responses (P, R) of a call; other arguments as of `render_receptors`."""
     eye = call.renderer.eye
     views, renderer = call.renderer._receptor_views()
-    weights = _weights(call.renderer, matrix, ultraviolet)
+    weights = weights_of(call.renderer, matrix, ultraviolet)
     shape = (len(call.poses), len(eye.receptor_type))
     responses = new_floats(shape) if out is None else out
     errors = new_floats(shape) if standard_error else None
@@ -131,15 +145,15 @@ def frames_of_receptors(
             responses[which] = np.einsum("prb,rb->pr", radiance, weights[eye.receptor_type])
         return Frames(responses)
     # Errors are those of the receptors' own estimates, for some types at a time.
-    groups = [weights[k : k + _MOST_TYPES] for k in range(0, len(weights), _MOST_TYPES)]
-    for piece, which in _pieces(seen, min(len(weights), _MOST_TYPES)):
+    groups = [weights[k : k + MOST_TYPES] for k in range(0, len(weights), MOST_TYPES)]
+    for piece, which in _pieces(seen, min(len(weights), MOST_TYPES)):
         for k, group in enumerate(groups):
             told = share_of(piece.progress, k / len(groups), (k + 1) / len(groups))
             frames = replace(piece, progress=told).render(
                 piece.new_frames(len(group), standard_error=standard_error),
                 output_from_band=np.ascontiguousarray(group),
             )
-            type_in_group = eye.receptor_type - k * _MOST_TYPES
+            type_in_group = eye.receptor_type - k * MOST_TYPES
             those = np.flatnonzero((type_in_group >= 0) & (type_in_group < len(group)))
             at = views.view_of_receptor[those], type_in_group[those]
             responses[which, those] = frames.responses[:, at[0], at[1]]
@@ -155,7 +169,9 @@ def _pieces(call: Call, outputs: int) -> Iterator[tuple[Call, slice]]:
         yield call.piece(start, chunk), slice(start, start + chunk)
 
 
-def _weights(renderer: Prepared, matrix: ArrayLike | None, ultraviolet: ArrayLike | None) -> Floats:
+def weights_of(
+    renderer: Weighed, matrix: ArrayLike | None, ultraviolet: ArrayLike | None
+) -> Floats:
     """Weights of bands for each type, [type, band]; in a polarised world those of I, Q and U."""
     eye = renderer.eye
     if matrix is None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import array_of
-from omma.base.pixels import warn_of_bytes
+from omma.base.pixels import check_picture
 
 # A linear colour (r, g, b) or (r, g, b, a), or a picture: an `Image`, an array (height, width, 3 or
 # 4), or the path of a file.
@@ -90,18 +90,17 @@ def point(value: Any, name: str) -> NDArray[np.float64]:
 def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | None]:
     """The linear RGBA that a paint multiplies, and the image where it is a picture."""
     white = (1.0, 1.0, 1.0, 1.0)
-    if isinstance(paint, Image):
-        return white, paint
-    if isinstance(paint, (str, os.PathLike)):
-        return white, Image(paint)
+    if isinstance(paint, (Image, str, os.PathLike)):
+        image = paint if isinstance(paint, Image) else Image(paint)
+        check_picture(image.pixels, name)
+        return white, image
     given = array_of(paint, name, dtype=None)
     if given.ndim == 3:
         try:
             made = Image(given)
         except Error as error:
             raise Error(f"{name}: {error}") from None
-        if given.dtype.kind == "f":
-            warn_of_bytes(given[..., :3], name)
+        check_picture(given, name)
         return white, made
     if given.shape not in ((3,), (4,)):
         raise Error(

@@ -13,7 +13,7 @@ from omma._core import Background, Error, Scene
 from omma._core import WorldInstance as WorldInstance
 from omma.base.arguments import array_of, checked, expect, whole
 from omma.base.notebook import html_table, without_folder
-from omma.base.pixels import warn_of_background
+from omma.base.pixels import check_radiance, warn_of_background
 from omma.base.progress import Progress, share_of
 from omma.light import Light
 from omma.scene.baking import Bake, BakeCost, BakedInfo, bake_cost, find_baked_light
@@ -143,6 +143,9 @@ class World:
         if given is None:
             tell_without_light(scene)
         warn_of_background(self.background.pixels)
+        for number_of_image, image in enumerate(scene.images):
+            if image.pixels.dtype.kind == "f":
+                check_radiance(image.pixels[..., :3], f"images[{number_of_image}]")
         tell_of_emission(scene, given)
         tell_of_splats(scene, given)
         self._baked: BakedInfo | None = None

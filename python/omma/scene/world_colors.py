@@ -13,7 +13,7 @@ from omma import _core
 from omma._core import Error, Image, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.methods import method_of
-from omma.base.pixels import warn_of_bytes
+from omma.base.pixels import check_picture
 
 Colour = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -30,8 +30,7 @@ class Colors:
         """As of `World.set_image`."""
         index = index_of(image, "image", [one.name for one in self._scene.images])
         given = picture if isinstance(picture, Image) else Image(picture)
-        if not isinstance(picture, Image):
-            warn_of_bytes(given.pixels[..., :3], "picture")
+        check_picture(given.pixels, "picture")
         engine.set_image(index, given)
         self._images[index] = given
 
@@ -97,8 +96,11 @@ def set_image(self: Coloured, image: int | str, picture: Image | ArrayLike) -> N
             float linear.
 
     Raises:
-        omma.Error: no such image, another size, an image whose alpha cuts out or blends, a
-            world that was lit, or something is being rendered.
+        omma.Error: no such image, another size, negative numbers, an image whose alpha cuts out or
+            blends, a world that was lit, or something is being rendered.
+
+    Warns:
+        UserWarning: floats that are whole numbers up to 255, as of a picture in 8 bits.
     """
     self._colors.set_image(self._engine, image, picture)
 

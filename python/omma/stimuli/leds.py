@@ -19,12 +19,15 @@ from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import within
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
+from omma.base.poses import Matrices
+from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.scene.solids import tube
 from omma.stimuli.checks import check_fields, whole_from
+from omma.stimuli.held import ROUNDING, Held
 from omma.stimuli.jumps import Motion, whole_counts
 from omma.stimuli.shapes import grey
-from omma.stimuli.stimulus import Stimulus, as_times
+from omma.stimuli.stimulus import Renderer, Stimulus, as_times
 
 # LEDs of a panel, across and up.
 _LEDS = 8
@@ -34,8 +37,6 @@ _SCAN_HZ = 4000.0
 _MOST_FRAMES = 20_000
 # Pixels of all frames, a byte each.
 _MOST_PIXELS = 1 << 28
-# A time that is a refresh but for rounding counts as after it.
-_ROUNDING = 1e-6
 
 
 @value_class
@@ -49,6 +50,9 @@ class LedArena(Stimulus):
     2^bits levels from 0 to ``brightest``. As in the arenas the frames are prepared, one for each
     refresh of ``duration_s``, and come again after it; each that differs is a drum of its own,
     all but one of which are out of sight.
+
+    With an impulse response `play` adds up the frames that it sees, each as it stands times the
+    integral of the response over the time for which it was there: exactly, however few the rays.
 
     A pixel lights all of its square all the time: neither the gaps between LEDs nor the time slices
     in which rows and grey levels are lit are shown. Light that panels throw on each other is not.
@@ -141,13 +145,16 @@ class LedArena(Stimulus):
         return self._radiance_of(frames[of_frame[self._frame(as_times([time_s]))[0]]])
 
     def _transforms(self, times_s: Floats) -> Floats:
-        times = times_s
-        frames, of_frame = self._different
+        _, of_frame = self._different
+        return self._showing(of_frame[self._frame(times_s)])
+
+    def _showing(self, frames: NDArray[np.int64]) -> Floats:
+        """Where things are (M, K, 4, 4) when it shows these (M,) of the frames that differ."""
         # Out of sight is tiny and far below.
         away = np.diag([1e-6, 1e-6, 1e-6, 1.0])
         away[1, 3] = -10.0
-        transforms = np.broadcast_to(away, (len(times), len(frames), 4, 4)).copy()
-        transforms[np.arange(len(times)), of_frame[self._frame(times)]] = np.eye(4)
+        transforms = np.broadcast_to(away, (len(frames), len(self.names), 4, 4)).copy()
+        transforms[np.arange(len(frames)), frames] = np.eye(4)
         return np.asarray(transforms)
 
     def _velocities(self, times_s: Floats) -> Motion:
@@ -155,11 +162,33 @@ class LedArena(Stimulus):
         none = np.zeros((len(times_s), len(self.names), 3))
         return none, none.copy()
 
+    def _render_lasting(
+        self,
+        renderer: Renderer,
+        times_s: Floats,
+        matrices: Matrices,
+        instances: list[int],
+        progress: Progress | None,
+    ) -> NDArray[np.float32]:
+        settings, (_, of_frame) = renderer.settings, self._different
+        assert settings.impulse_response is not None
+        assert self.refresh_hz is not None
+        held = Held(
+            times_s,
+            matrices,
+            settings.impulse_response,
+            self.refresh_hz,
+            lambda counts: of_frame[np.mod(counts, self.frame_count)],
+            self._showing,
+            settings.noise == "frozen",
+        )
+        return held.render(renderer.render, instances, progress)
+
     def _jumps_s(self, first_s: float, last_s: float) -> Floats:
         assert self.refresh_hz is not None
-        times = whole_counts(_ROUNDING, self.refresh_hz, first_s, last_s)
+        times = whole_counts(ROUNDING, self.refresh_hz, first_s, last_s)
         _, of_frame = self._different
-        after = np.rint(times * self.refresh_hz + _ROUNDING).astype(np.int64)
+        after = np.rint(times * self.refresh_hz + ROUNDING).astype(np.int64)
         before, after = (of_frame[np.mod(k, self.frame_count)] for k in (after - 1, after))
         return np.asarray(times[before != after])
 
@@ -182,7 +211,7 @@ class LedArena(Stimulus):
     def _frame(self, times_s: Floats) -> NDArray[np.int64]:
         """Number of the frame that is shown, (T,)."""
         assert self.refresh_hz is not None
-        since = np.floor(times_s * self.refresh_hz + _ROUNDING)
+        since = np.floor(times_s * self.refresh_hz + ROUNDING)
         return np.asarray(np.mod(since, self.frame_count), np.int64)
 
     @cached_property

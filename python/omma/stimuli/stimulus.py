@@ -24,6 +24,8 @@ class Settings(Protocol):
 
     @property
     def impulse_response(self) -> ImpulseResponse | None: ...
+    @property
+    def noise(self) -> str: ...
 
 
 @runtime_checkable
@@ -265,7 +267,20 @@ class Stimulus:
                 "turns by half a turn and would seem to turn the other way, found "
                 f"{steps.max():.4g} s"
             )
-        path = self._path(times, matrices, h.duration_s)
+        return self._render_lasting(renderer, times, matrices, instances, progress)
+
+    def _render_lasting(
+        self,
+        renderer: Renderer,
+        times_s: Floats,
+        matrices: Matrices,
+        instances: list[int],
+        progress: Progress | None,
+    ) -> NDArray[np.float32]:
+        """Responses (T, N, B) at growing times by a renderer with an impulse response."""
+        h = renderer.settings.impulse_response
+        assert h is not None
+        path = self._path(times_s, matrices, h.duration_s)
         return path.render(renderer.render, instances, progress)
 
     def _path(self, times_s: Floats, matrices: Matrices, duration_s: float) -> Path:
