@@ -17,6 +17,7 @@ from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
 from omma.stimuli.gaussian import gaussian_means
 from omma.stimuli.jumps import Motion, Path, even_steps, motion_of
+from omma.stimuli.shown import check_shown, is_shown
 
 
 class Settings(Protocol):
@@ -151,6 +152,7 @@ class Stimulus:
             omma.Error: an option is out of its range.
         """
         world = World(self.scene(), **options)
+        is_shown(self, world)
         self.move(world, 0.0)
         return world
 
@@ -159,7 +161,7 @@ class Stimulus:
         """Put its things in a world, its own or any that has them, to where they are at a time, s.
 
         Raises:
-            omma.Error: the world lacks them, or is being rendered.
+            omma.Error: the world lacks them or has those of another stimulus, or is being rendered.
         """
         expect(world, World, "world", "Stimulus.world gives one")
         transforms = self._transforms(np.array([_one_time(time_s)]))[0]
@@ -172,10 +174,12 @@ class Stimulus:
             numbers.setdefault(one.name, []).append(number)
         found = [numbers.get(name, []) for name in self.names]
         # The world says what is wrong with a name that nothing has, or several things.
-        return [
+        indices = [
             one[0] if len(one) == 1 else world.index(name)
             for name, one in zip(self.names, found, strict=True)
         ]
+        check_shown(self, world)
+        return indices
 
     @checked
     def expected(self, axes: ArrayLike, acceptance_rad: ArrayLike, times_s: ArrayLike) -> Floats:
@@ -224,7 +228,9 @@ class Stimulus:
         next, and stood still before the first.
 
         Args:
-            renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things.
+            renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things:
+                not of the world of another stimulus, as contrasts, wavelengths and shapes are part
+                of the world.
             times_s: (T,), s.
             poses: ``world_from_head``, (4, 4), or (T, 4, 4), one for each time, m. None: the
                 identity.
@@ -240,8 +246,8 @@ class Stimulus:
 
         Raises:
             omma.Error: a wrong shape, a pose or a time that is not finite, a world without the
-                stimulus; with an impulse response times that do not grow or between which it turns
-                by half a turn or more, or more jumps than can be followed.
+                stimulus or with another one; with an impulse response times that do not grow or
+                between which it turns by half a turn or more, or more jumps than can be followed.
         """
         times = as_times(times_s)
         shapes: list[Shape] = [(4, 4), (len(times), 4, 4)]
