@@ -80,6 +80,16 @@ def _detectors(tau_s, frame_rate_hz, high_pass_tau_s=None):
     )
 
 
+def _catch(integration_time_s):
+    cell = ReceptorType("x", peak_wavelength_nm=500, absorption_per_m=6700, length_m=1e-4)
+    eye = omma.Eye(np.zeros((2, 3)), [(0, 0, -1.0)] * 2, 0.03).replace(
+        facet_diameter_m=np.full(2, 20e-6)
+    )
+    eye = omma.receptors.assign_receptors(eye, [omma.receptors.OmmatidiumType("x", (cell,))])
+    light = omma.light.uniform_sky(1e17)
+    omma.receptors.photon_catch(eye, [1.0, 1.0], light, integration_time_s=integration_time_s)
+
+
 H = omma.photoreceptors.ImpulseResponse.exponential(0.02)
 # (call, how the warning begins, what it guesses)
 TIMES = [
@@ -116,6 +126,13 @@ TIMES = [
         ),
         "integration_time_s",
         "20 ms would be 0.02 s",
+    ),
+    (lambda: _catch(20), "integration_time_s", "20 ms would be 0.02 s"),
+    (lambda: _catch([0.02, 20]), "integration_time_s", "20 ms would be 0.02 s"),
+    (
+        lambda: omma.colour_vision.Observer(integration_time_s=30),
+        "integration_time_s",
+        "30 ms would be 0.03 s",
     ),
     (lambda: _with_an_impulse_response([0, 10, 20]), "times_s", "10 ms would be 0.01 s"),
     (
