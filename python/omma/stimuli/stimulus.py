@@ -62,7 +62,8 @@ class Stimulus:
 
     @checked
     def transforms(self, times_s: ArrayLike) -> Floats:
-        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s.
+        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s; (K, 4, 4) at
+        one time.
 
         Some of `PlaneGrating`, `Starfield` and `LedArena` jump from one time to the next. For how
         things move see `velocities`; `play` knows which are jumps.
@@ -70,12 +71,15 @@ class Stimulus:
         Raises:
             omma.Error: a wrong shape, or a time that is not finite.
         """
-        return self._transforms(as_times(times_s))
+        times = one_or_more_times(times_s)
+        return np.asarray(
+            self._transforms(times.ravel()).reshape(*times.shape, len(self.names), 4, 4)
+        )
 
     @checked
     def velocities(self, times_s: ArrayLike) -> dict[str, tuple[Floats, Floats]]:
         """How its things move, as `Renderer.ground_truth` takes it: {name: (linear (T, 3), m/s, and
-        angular (T, 3), rad/s)} in the world, at times (T,), s.
+        angular (T, 3), rad/s)} in the world, at times (T,), s; (3,) each at one time.
 
         Of what is seen: where a thing jumps, as a `PlaneGrating` does by a period, that does not
         count.
@@ -88,8 +92,11 @@ class Stimulus:
         Raises:
             omma.Error: a wrong shape, or a time that is not finite.
         """
-        linear, angular = self._velocities(as_times(times_s))
-        return {name: (linear[:, k], angular[:, k]) for k, name in enumerate(self.names)}
+        times = one_or_more_times(times_s)
+        linear, angular = (
+            one.reshape(*times.shape, len(self.names), 3) for one in self._velocities(times.ravel())
+        )
+        return {name: (linear[..., k, :], angular[..., k, :]) for k, name in enumerate(self.names)}
 
     @checked
     def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
@@ -183,7 +190,8 @@ class Stimulus:
 
     @checked
     def expected(self, axes: ArrayLike, acceptance_rad: ArrayLike, times_s: ArrayLike) -> Floats:
-        """What ommatidia with a Gaussian angular sensitivity at the origin answer: (T, N).
+        """What ommatidia with a Gaussian angular sensitivity at the origin answer: (T, N), or (N,)
+        at one time.
 
         In each band, where its weights of red, green and blue sum to 1. Computed from formulas,
         not rendered: docs/scenes.md says how, and how exactly.
@@ -191,7 +199,7 @@ class Stimulus:
         Args:
             axes: (N, 3), where they look in the world; of any length.
             acceptance_rad: (N,) or one for all, Δρ, full width at half maximum; 0 is a single ray.
-            times_s: (T,), s.
+            times_s: (T,), or one time, s.
 
         Raises:
             omma.Error: a wrong shape, an axis of length 0, an acceptance angle below 0 or above π.
@@ -206,7 +214,9 @@ class Stimulus:
         if not ((widths >= 0) & (widths <= np.pi)).all():
             raise Error("acceptance_rad: expected angles from 0 to π")
         all_widths = np.broadcast_to(widths, (len(vectors),))
-        return self._expected(vectors / length, all_widths, as_times(times_s))
+        times = one_or_more_times(times_s)
+        found = self._expected(vectors / length, all_widths, times.ravel())
+        return np.asarray(found.reshape(*times.shape, len(vectors)))
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         return gaussian_means(self._radiance, axes, acceptance_rad, times_s)
@@ -286,7 +296,12 @@ class Stimulus:
 
 def as_times(times_s: ArrayLike) -> Floats:
     """Times (T,), s, checked."""
-    times = array_of(times_s, "times_s", (None,))
+    return one_or_more_times(array_of(times_s, "times_s", (None,)))
+
+
+def one_or_more_times(times_s: ArrayLike) -> Floats:
+    """Times (T,) or one time (), s, checked."""
+    times = array_of(times_s, "times_s", [(None,), ()])
     if not (np.isfinite(times) & (np.abs(times) < 1e9)).all():
         raise Error("times_s: expected seconds between -1e9 and 1e9, found others")
     return times
