@@ -2,9 +2,9 @@
 ommatidium must answer to it, from a closed form or a quadrature.
 
 `stimulus` is what all share, `turning` and `discs_seen` what some do, `shown` says whether a world
-shows one, `checks` are those of their parameters, `gaussian` the quadratures; the other files hold
-a family each. A new stimulus is a frozen dataclass with `_scene`, `_transforms` and `_radiance`,
-which calls `check_fields`.
+shows one, `leds_told` what an arena of LEDs makes of one, `checks` are those of their parameters,
+`gaussian` the quadratures; the other files hold a family each. A new stimulus is a frozen dataclass
+with `_scene`, `_transforms` and `_radiance`, which calls `check_fields`.
 """
 
 import lazy_loader
