@@ -12,6 +12,7 @@ from omma.base.arguments import Shape, array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
+from omma.base.slips import warn_of_slip
 from omma.base.values import in_full
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
@@ -203,6 +204,9 @@ class Stimulus:
 
         Raises:
             omma.Error: a wrong shape, an axis of length 0, an acceptance angle below 0 or above π.
+
+        Warns:
+            UserWarning: acceptance angles above 60° or below 0.02°, mostly degrees.
         """
         vectors = array_of(axes, "axes", (None, 3))
         length = np.linalg.norm(vectors, axis=1, keepdims=True)
@@ -213,6 +217,7 @@ class Stimulus:
             raise Error(f"acceptance_rad: expected shape ({len(vectors)},), found {widths.shape}")
         if not ((widths >= 0) & (widths <= np.pi)).all():
             raise Error("acceptance_rad: expected angles from 0 to π")
+        warn_of_slip("acceptance angle", widths[widths > 0], "acceptance_rad")
         all_widths = np.broadcast_to(widths, (len(vectors),))
         times = one_or_more_times(times_s)
         found = self._expected(vectors / length, all_widths, times.ravel())
