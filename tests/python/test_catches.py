@@ -99,6 +99,11 @@ def test_catches_need_photons_and_what_an_eye_knows():
         omma.receptors.photon_catch(eye, answers, light, integration_time_s=0)
     with pytest.raises(omma.Error, match="responses: expected shape"):
         omma.receptors.photon_catch(eye, answers[1:], light, integration_time_s=1)
+    for bad in (-1.0, np.nan, np.inf):
+        given = np.stack([answers, answers])
+        given[1, 2] = bad
+        with pytest.raises(omma.Error, match=rf"responses: expected finite .* {bad:g} at \[1, 2\]"):
+            omma.receptors.photon_catch(eye, given, light, integration_time_s=1)
     with pytest.raises(omma.Error, match=r"lacks .*any receptors"):
         omma.receptors.photon_catch(make_eye(3), answers, light, integration_time_s=1)
     with pytest.raises(omma.Error, match="lacks facet_diameter_m of 6 of 6 ommatidia"):

@@ -183,3 +183,16 @@ def test_what_is_not_linear_is_refused(scene):
     ):
         with pytest.raises(omma.Error, match=message):
             call()
+
+
+@pytest.mark.parametrize("sampling", [omma.Fixed(4), omma.ToError(0.1)])
+def test_that_a_world_is_lit_is_said_before_what_the_renderer_lacks(sampling):
+    lit = omma.World(omma.scene.box(), light=omma.light.uniform_sky(1e15), ultraviolet="dark")
+    renderer, weights = omma.Renderer(lit, EYE, sampling), np.ones((1, 60, lit.bands))
+    for call in (
+        lambda: renderer.color_jacobian(np.eye(4), 0),
+        lambda: renderer.background_vjp(np.eye(4), weights, (4, 8)),
+        lambda: renderer.image_vjp(np.eye(4), weights, 0),
+    ):
+        with pytest.raises(omma.Error, match="world: expected one that is not lit"):
+            call()

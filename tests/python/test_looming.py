@@ -126,6 +126,29 @@ def test_cells_lie_where_all_four_arms_are_seen():
     assert 12 < np.median(away.min(axis=1)) < 18
 
 
+def test_cells_are_so_many_as_work_can_be_done_for():
+    eye = omma.eye.generate_eye(200)
+    shares = []
+    cells = omma.motion.looming_cells(eye, spacing_deg=6.0, progress=shares.append)
+    assert len(cells) > 500
+    assert shares[0] == 0
+    assert shares[-1] == 1
+    assert shares == sorted(shares)
+
+    def stop(share):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        omma.motion.looming_cells(eye, spacing_deg=1.0, progress=stop)
+    with pytest.raises(omma.Error, match=r"spacing_deg: expected 1 to 180, found 0\.1"):
+        omma.motion.looming_cells(eye, spacing_deg=0.1)
+    many = omma.Eye(np.zeros((6000, 3)), np.tile([0, 0, -1.0], (6000, 1)), 0.05)
+    with pytest.raises(omma.Error, match=r"spacing_deg: expected at most 268,435,456 pairs"):
+        omma.motion.looming_cells(many, spacing_deg=1.0)
+    with pytest.raises(omma.Error, match="centers: expected at most 268,435,456 pairs"):
+        omma.motion.looming_cells(many, np.tile([0, 0, -1.0], (50_000, 1)))
+
+
 def test_many_frames_are_the_frames_one_by_one(eye):
     rng = np.random.default_rng(2)
     vectors = rng.normal(size=(3, 2, len(eye), 2))

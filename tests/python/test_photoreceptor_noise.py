@@ -198,3 +198,18 @@ def test_times_of_species_are_full_widths_and_those_of_noise_are_longer(name, sp
         s = 0.3
         exact = np.sqrt(np.pi) * s * np.exp(0.75 * s**2) / np.sinh(s * np.sqrt(2 * np.log(2)))
         assert h.integration_time_s / h.full_width_s == pytest.approx(exact, rel=1e-12)
+
+
+def test_conditions_with_seeds_of_their_own_differ_by_poisson_noise():
+    """What docs/receptors.md says of 1,000 and 1,020 photons, with one seed and with two."""
+    dim, same, other = (
+        photon_noise(np.full((2000, 5), mean), seed)
+        for mean, seed in ((1000.0, 1), (1020.0, 1), (1020.0, 2))
+    )
+    # The deviation of a variance from 10,000 numbers is 1.4 % of it.
+    assert (other - dim).var() == pytest.approx(2020, rel=0.05)
+    assert (same - dim).var() == pytest.approx(78, rel=0.05)
+    zeros = np.zeros((20, 5))
+    drawn = intrinsic_noise(zeros, 1.0, 3)
+    # Rounding of the sum alone.
+    assert np.allclose(intrinsic_noise(zeros + 4, 1.0, 3) - 4, drawn, rtol=0, atol=1e-14)

@@ -80,6 +80,16 @@ def _detectors(tau_s, frame_rate_hz, high_pass_tau_s=None):
     )
 
 
+def _catch(integration_time_s):
+    cell = ReceptorType("x", peak_wavelength_nm=500, absorption_per_m=6700, length_m=1e-4)
+    eye = omma.Eye(np.zeros((2, 3)), [(0, 0, -1.0)] * 2, 0.03).replace(
+        facet_diameter_m=np.full(2, 20e-6)
+    )
+    eye = omma.receptors.assign_receptors(eye, [omma.receptors.OmmatidiumType("x", (cell,))])
+    light = omma.light.uniform_sky(1e17)
+    omma.receptors.photon_catch(eye, [1.0, 1.0], light, integration_time_s=integration_time_s)
+
+
 H = omma.photoreceptors.ImpulseResponse.exponential(0.02)
 # (call, how the warning begins, what it guesses)
 TIMES = [
@@ -117,6 +127,13 @@ TIMES = [
         "integration_time_s",
         "20 ms would be 0.02 s",
     ),
+    (lambda: _catch(20), "integration_time_s", "20 ms would be 0.02 s"),
+    (lambda: _catch([0.02, 20]), "integration_time_s", "20 ms would be 0.02 s"),
+    (
+        lambda: omma.colour_vision.Observer(integration_time_s=30),
+        "integration_time_s",
+        "30 ms would be 0.03 s",
+    ),
     (lambda: _with_an_impulse_response([0, 10, 20]), "times_s", "10 ms would be 0.01 s"),
     (
         lambda: omma.photoreceptors.filter_frames(np.ones(3), 0.01, H),
@@ -129,6 +146,98 @@ TIMES = [
         "0.01 s between frames would be 100 Hz",
     ),
 ]
+
+
+THREE_AHEAD, THREE_UP = [[0, 0, -1.0]] * 3, [[0, 1.0, 0]] * 3
+ANGLES = [
+    (
+        lambda: omma.motion.grating_response(1, 20, 3, 0.1, 0.035),
+        "wavelength_rad",
+        "20° would be 0.3491 rad",
+    ),
+    (
+        lambda: omma.motion.grating_response(1, 0.4, 3, [0.1, 5], 0.035),
+        "separation_rad",
+        "5° would be 0.08727 rad",
+    ),
+    (
+        lambda: omma.motion.grating_response(1, 0.4, 3, 0.1, 0.035, acceptance_angle_rad=5),
+        "acceptance_angle_rad",
+        "5° would be 0.08727 rad",
+    ),
+    (
+        lambda: omma.stimuli.DrumGrating().expected(THREE_AHEAD, 2.6, [0.125]),
+        "acceptance_rad",
+        "2.6° would be 0.04538 rad",
+    ),
+    (
+        lambda: omma.stimuli.Bar().expected(THREE_AHEAD, [0, 0.1, 3.0], 0.125),
+        "acceptance_rad",
+        "3° would be 0.05236 rad",
+    ),
+    (
+        lambda: omma.photoreceptors.microsaccades_rad(np.ones(9), 500, dark=0.1, decade_rad=1.0),
+        "decade_rad",
+        "1° would be 0.01745 rad",
+    ),
+    (
+        lambda: omma.photoreceptors.microsaccades_rad(np.ones(9), 500, dark=0.1, largest_rad=1.5),
+        "largest_rad",
+        "1.5° would be 0.02618 rad",
+    ),
+    (
+        lambda: omma.photoreceptors.displace_axes(THREE_AHEAD, THREE_UP, [0.01, -2.0, 0], 0.0),
+        "angle_rad",
+        "-2° would be -0.03491 rad",
+    ),
+    (
+        lambda: omma.photoreceptors.displace_axes(THREE_AHEAD, THREE_UP, [0.01] * 3, 90.0),
+        "towards_rad",
+        "90° would be 1.571 rad",
+    ),
+    (lambda: omma.eye.lay_directions(2.6), "horizontal_rad", "2.6° would be 0.04538 rad"),
+    (
+        lambda: omma.eye.lattice.check_lattice(_eye().axis, 0.1, 2.6),
+        "vertical_rad",
+        "2.6° would be 0.04538 rad",
+    ),
+    (
+        lambda: omma.eye.hexagonal_coordinates(_eye()).towards(90),
+        "angle_rad",
+        "90° would be 1.571 rad",
+    ),
+    (
+        lambda: omma.columns.resampling_matrix(
+            omma.eye.generate_eye(200), omma.columns.fly_columns(), width_rad=5, reach_rad=0.2
+        ),
+        "width_rad",
+        "5° would be 0.08727 rad",
+    ),
+]
+
+
+def _eye():
+    return omma.eye.generate_eye(100)
+
+
+@pytest.mark.parametrize(("call", "argument", "guess"), ANGLES)
+def test_degrees_for_radians_are_warned_of(call, argument, guess):
+    with pytest.warns(UserWarning, match=f"^{argument}: .* is unusual .*; {guess}$") as told:
+        call()
+    assert len(told) == 1
+    assert told[0].filename == __file__
+
+
+def test_angles_that_are_usual_are_not_warned_of():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.motion.grating_response(1, 2 * np.pi, 3, 0.0, 0.035)
+        omma.stimuli.DrumGrating().expected(THREE_AHEAD, [0, 0.02, 1.0], [0.125])
+        omma.photoreceptors.displace_axes(
+            THREE_AHEAD, THREE_UP, [0.1] * 3, [0, -np.pi / 2, 2 * np.pi]
+        )
+        # Angles are relative where there is a count.
+        omma.eye.lay_directions(1.2, count=20)
 
 
 @pytest.mark.parametrize(("call", "argument", "guess"), TIMES)

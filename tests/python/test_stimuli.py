@@ -200,6 +200,34 @@ def test_stimuli_go_into_other_scenes():
         DrumGrating().play(renderer, [0.0])
 
 
+@pytest.mark.parametrize("name", STIMULI)
+def test_one_time_gives_what_it_has_among_several(name):
+    stimulus, time_s = STIMULI[name], TIMES_S[1]
+    axes = axes_ahead(4)
+    assert np.array_equal(stimulus.transforms(time_s), stimulus.transforms(TIMES_S)[1])
+    both = zip(
+        stimulus.velocities(time_s).values(), stimulus.velocities(TIMES_S).values(), strict=True
+    )
+    for alone, several in both:
+        assert all(np.array_equal(a, s[1]) for a, s in zip(alone, several, strict=True))
+    alone, several = (stimulus.expected(axes, 0.1, times) for times in (time_s, TIMES_S))
+    assert alone.shape == (4,)
+    assert np.array_equal(alone, several[1])
+    with pytest.raises(omma.Error, match=r"times_s: expected shape \(N,\) or a number"):
+        stimulus.transforms([[0.0]])
+
+
+def test_sizes_and_directions_at_one_time():
+    disc = LoomingDisc(0.05, 1.0)
+    size = disc.size_deg(0.95)
+    assert isinstance(size, float)
+    assert size == disc.size_deg([0.95])[0] == pytest.approx(90)
+    fly = Target(1.0, [0, 1], [-20, 20], [0, 0])
+    assert np.array_equal(fly.directions(0.3), fly.directions([0.3])[0])
+    assert Target(1.0, [0], [0], [0]).directions(2).shape == (3,)
+    assert disc.transforms([]).shape == (0, 1, 4, 4)
+
+
 def test_transforms_are_those_that_a_renderer_takes():
     for stimulus in STIMULI.values():
         places = stimulus.transforms(TIMES_S)

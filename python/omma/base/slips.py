@@ -1,13 +1,16 @@
-"""Times, rates and pictures that nobody means, mostly in another unit: the caller is told, as
-nothing else is wrong with them. Those of eyes and optics are in the engine's `plausible.h`.
+"""Times, rates, angles and pictures that nobody means, mostly in another unit: the caller is told,
+as nothing else is wrong with them. Those of eyes and optics are in the engine's `plausible.h`.
 
 The ranges are assumed: wide ones around what is published and shown, so that a factor of 1,000, of
-milliseconds, leaves them.
+milliseconds, leaves them, or one of 57, of degrees.
 """
 
 from __future__ import annotations
 
 import math
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from omma._core import Error
 from omma.base.warn import warn_caller
@@ -29,6 +32,14 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     "time between frames": (0.0, 1.0, "s"),
     # As of the engine's, and of apertures.
     "acceptance angle": (math.radians(0.02), math.radians(60.0), "rad"),
+    # Of gratings: a turn at most.
+    "wavelength": (math.radians(0.02), math.tau, "rad"),
+    # Of neighbours; compound eyes have 0.2° to some tens of degrees.
+    "interommatidial angle": (math.radians(0.02), math.radians(60.0), "rad"),
+    "angle between axes": (-math.radians(60.0), math.radians(60.0), "rad"),
+    # Microsaccades move axes by some degrees.
+    "turn of an axis": (-math.radians(30.0), math.radians(30.0), "rad"),
+    "direction": (-math.tau, math.tau, "rad"),
     "diameter": (1e-6, 2e-2, "m"),
     "rhabdom length": (1e-6, 1e-2, "m"),
     "absorption": (1e2, 1e5, "per m"),
@@ -54,14 +65,17 @@ def warn_of_shape(shape: tuple[int, ...], name: str) -> None:
     )
 
 
-def warn_of_slip(what: str, value: float, name: str) -> None:
-    """Tell the caller of the package of a value that lies outside of the range of what it is, and
-    which one it would be in the unit that it seems to have."""
+def warn_of_slip(what: str, value: ArrayLike, name: str) -> None:
+    """Tell the caller of the package of a value, the largest of an array's, that lies outside of
+    the range of what it is, and which one it would be in the unit that it seems to have."""
     low, high, unit = _RANGES[what]
-    if not low <= value <= high:
+    values = np.asarray(value, np.float64).ravel()
+    beyond = values[~((values >= low) & (values <= high))]
+    if len(beyond):
+        found = float(beyond[np.argmax(np.abs(beyond))])
         warn_caller(
-            f"{name}: {value:g} {unit} is unusual ({what}, {low:g} to {high:g} {unit})"
-            f"{_meant(what, value)}",
+            f"{name}: {found:g} {unit} is unusual ({what}, {low:g} to {high:g} {unit})"
+            f"{_meant(what, found)}",
             UserWarning,
         )
 

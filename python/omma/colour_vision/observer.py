@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
 from omma.base.arrays import Floats, Ints
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.colour_vision.noise_limited import distance_of_one, noise_limited_distance
@@ -51,6 +52,9 @@ class Observer:
 
     Raises:
         omma.Error: a number out of its range.
+
+    Warns:
+        UserWarning: an integration time above 5 s.
     """
 
     by: By = "photons"
@@ -67,6 +71,7 @@ class Observer:
         one_of(self.by, ("photons", "achromatic", "colour"), "by")
         for name in ("criterion", "integration_time_s"):
             object.__setattr__(self, name, positive(getattr(self, name), name))
+        warn_of_slip("integration time", self.integration_time_s, "integration_time_s")
         for name, low, high in (
             ("dark_per_s", 0.0, 1e30),
             ("azimuth_deg", -360.0, 360.0),

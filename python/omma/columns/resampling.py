@@ -13,6 +13,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.arrays import Floats, Ints
 from omma.base.directions import angle_of_chord, normalized
+from omma.base.slips import warn_of_slip
 from omma.columns.lattice import Columns, expect_columns
 
 # Beyond twice the full width at half maximum a Gaussian is below 2e-5.
@@ -51,6 +52,9 @@ def resampling_matrix(
     Raises:
         omma.Error: columns that look where the eye does not (`seen_by` says which), an argument out
             of its range, another word for ``weights``.
+
+    Warns:
+        UserWarning: a width above 60° or below 0.02°, mostly degrees.
     """
     expect_columns(columns)
     one_of(weights, ("gaussian", "nearest"), "weights")
@@ -153,7 +157,8 @@ def _reach(axes: Floats, given: float | None) -> float:
 
 def _width(eye: Eye, given: float | None) -> float:
     if given is not None:
-        return positive(given, "width_rad")
+        warn_of_slip("acceptance angle", positive(given, "width_rad"), "width_rad")
+        return given
     median = float(np.median(eye.acceptance_angle_rad))
     if median <= 0:
         raise Error("width_rad: expected a number, as the eye's acceptance angles are 0")

@@ -19,6 +19,7 @@ from omma._core import Eye
 from omma.base.arguments import checked, one_of
 from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
@@ -82,8 +83,13 @@ class HexagonalCoordinates:
 
     def towards(self, angle_rad: float) -> Ints:
         """The neighbour of each that lies nearest to this direction, from dorsal (0) towards the
-        front (a quarter turn): (N,), -1 where there is none. In each eye it is one direction."""
+        front (a quarter turn): (N,), -1 where there is none. In each eye it is one direction.
+
+        Warns:
+            UserWarning: a direction of more than a turn, mostly degrees.
+        """
         off = np.abs((self.angle_rad - angle_rad + np.pi) % (2 * np.pi) - np.pi)
+        warn_of_slip("direction", angle_rad, "angle_rad")
         off = np.where(np.isnan(off), 0.0, off)
         found: Ints = self.neighbours[np.arange(len(off)), np.argmin(off, axis=1)]
         return found

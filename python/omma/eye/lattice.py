@@ -22,6 +22,7 @@ from omma.base.directions import azimuth_elevation_deg_of as azimuth_elevation_d
 from omma.base.directions import direction as direction
 from omma.base.directions import normalized
 from omma.base.progress import Stage
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.eye.cells import cells
 from omma.eye.nearest import Nearest
@@ -234,6 +235,9 @@ def lay_directions(
 
     Raises:
         omma.Error: an argument out of range, an angle that is none, an empty field of view.
+
+    Warns:
+        UserWarning: numbers above 60°, mostly degrees, where they are not relative to a ``count``.
     """
     random, tell = started(count, seed, progress)
     sphere = SphereCells(horizontal_rad, vertical_rad, field_of_view, count)
@@ -247,7 +251,15 @@ def lay_directions(
     points = grown(domain, sphere.count, random, partial(tell, "placing ommatidia"))
     if not sphere.closed:
         points = sphere.region.deepest(points, sphere.count)
+    if count is None:
+        _tell_of_degrees(horizontal_rad, vertical_rad)
     return Lattice(points, sphere.scale)
+
+
+def _tell_of_degrees(horizontal_rad: Angle, vertical_rad: Angle | None) -> None:
+    for name, angle in (("horizontal_rad", horizontal_rad), ("vertical_rad", vertical_rad)):
+        if angle is not None and not callable(angle):
+            warn_of_slip("interommatidial angle", angle, name)
 
 
 @value_class
@@ -283,11 +295,15 @@ def check_lattice(
 
     Raises:
         omma.Error: directions that are none, fewer than 8 of them, angles that are none.
+
+    Warns:
+        UserWarning: numbers above 60°, mostly degrees.
     """
     points = array_of(directions, "directions")
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 8:
         raise Error(f"directions: expected at least 8 of shape (N, 3), found {points.shape}")
     metric = metric_of(points, angles_at(points, horizontal_rad, vertical_rad))
+    _tell_of_degrees(horizontal_rad, vertical_rad)
     net = cells(points, metric)
     ratio = np.sort(net.distance, axis=1)[:, :6].mean(axis=1)
     inner = net.widest_gap_rad < _BORDER_GAP_RAD

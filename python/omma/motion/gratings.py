@@ -65,7 +65,8 @@ def grating_response(
         omma.Error: a number out of its range, or shapes that do not go together.
 
     Warns:
-        UserWarning: time constants above 5 s or below 0.1 ms.
+        UserWarning: time constants above 5 s or below 0.1 ms; wavelengths above a turn, separations
+            and acceptance angles above 60°, or angles below 0.02°, mostly degrees.
     """
     contrasts, wavelengths, frequencies, separations = arrays_of(
         contrast=contrast,
@@ -83,6 +84,10 @@ def grating_response(
         raise Error(f"wavelength_rad: expected numbers above 0, found {np.min(wavelengths):g}")
     tau = _time_constant(tau_s, "tau_s")
     width = within(acceptance_angle_rad, "acceptance_angle_rad", 0, math.tau)
+    warn_of_slip("wavelength", wavelengths, "wavelength_rad")
+    warn_of_slip("angle between axes", separations, "separation_rad")
+    if width > 0:
+        warn_of_slip("acceptance angle", width, "acceptance_angle_rad")
     light = within(mean, "mean", 0, 1e150)
     if light == 0:
         raise Error("mean: expected a number above 0, to which the contrast is relative, found 0")

@@ -22,6 +22,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, one_of, whole, within
 from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
+from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.eye.field import sphere_directions
 
@@ -31,6 +32,14 @@ ARMS = ("right", "up", "left", "down")
 _LEAST_OF_AN_ARM = 3
 # Nearer to the middle no direction leads away from it.
 _LEAST_AWAY = 1e-6
+# Between cells that are spread: 47,600 of them on the sphere.
+_LEAST_SPACING_DEG = 1.0
+# Of a cell and an ommatidium; those in arms are kept, 40 bytes each.
+_MOST_PAIRS = 1 << 28
+# So many take a hundredth of a second, and 20 MB.
+_PAIRS_AT_ONCE = 1 << 16
+# Axes, and what is right and up there, (N, 3) each, of length 1.
+_Frames = tuple[Floats, Floats, Floats]
 
 
 @checked
@@ -66,9 +75,12 @@ def expansion(
     """
     moved = array_of(vectors, "vectors", (..., len(eye), 2))
     middle = _centers_of(np.atleast_2d(array_of(center, "center", (3,))), "center")[0]
-    theta, outward, _ = _around(eye, middle)
+    frames = _frames_of(eye)
+    theta, outward, _ = _around(frames[0], middle)
     near = (theta > _LEAST_AWAY) & (theta < math.radians(within(radius_deg, "radius_deg", 0, 180)))
-    motion = np.einsum("...nk,nk->...n", moved[..., near, :], _in_frames(eye, near, outward[near]))
+    motion = np.einsum(
+        "...nk,nk->...n", moved[..., near, :], _in_frames(frames, near, outward[near])
+    )
     counts = np.isfinite(motion)
     total = np.where(counts, motion, 0).sum(axis=-1)
     number = counts.sum(axis=-1)
@@ -182,6 +194,7 @@ def looming_cells(
     *,
     radius_deg: float = 30.0,
     spacing_deg: float = 17.0,
+    progress: Progress | None = None,
 ) -> LoomingCells:
     """Cells that pool local motion as LPLC2 do: outwards along the four arms of a cross.
 
@@ -194,7 +207,9 @@ def looming_cells(
             wherever all four arms lie in the field of view.
         radius_deg: of the fields: LPLC2's are some 60° across (Klapoetke et al. 2017).
         spacing_deg: between neighbouring cells, where no centers are given. *Drosophila* has some
-            80 on each side, and so has this.
+            80 on each side, and so has this; 1° at least, 47,600 directions.
+        progress: called with the finished share (0 to 1), as many cells of large eyes take
+            seconds; what it raises ends the work.
 
     Example:
         >>> cells = omma.motion.looming_cells(omma.species.drosophila().eye)
@@ -202,61 +217,88 @@ def looming_cells(
         False
 
     Raises:
-        omma.Error: directions of no length, an angle out of its range, or no direction with four
-        arms.
+        omma.Error: directions of no length, an angle out of its range, more than 268 million pairs
+            of a cell and an ommatidium, or no direction with four arms.
     """
     radius = math.radians(within(radius_deg, "radius_deg", 1e-3, 180))
     spread = centers is None
     if centers is None:
-        spacing = math.radians(within(spacing_deg, "spacing_deg", 0.1, 180))
+        spacing = math.radians(within(spacing_deg, "spacing_deg", _LEAST_SPACING_DEG, 180))
         # As many as there are hexagons of that spacing.
-        middles = sphere_directions(max(round(8 * math.pi / (math.sqrt(3) * spacing**2)), 1))
+        count = max(round(8 * math.pi / (math.sqrt(3) * spacing**2)), 1)
     else:
-        middles = _centers_of(array_of(centers, "centers", (None, 3)), "centers")
+        given = array_of(centers, "centers", (None, 3))
+        count = len(given)
+    if count * len(eye) > _MOST_PAIRS:
+        name = "spacing_deg" if spread else "centers"
+        raise Error(
+            f"{name}: expected at most {_MOST_PAIRS:,} pairs of a cell and an ommatidium, found "
+            f"{count:,} cells and {len(eye):,} ommatidia"
+        )
+    middles = sphere_directions(count) if spread else _centers_of(given, "centers")
+    frames = _frames_of(eye)
     kept: list[Floats] = []
     cell, arm, ommatidium, along = [], [], [], []
-    for middle in middles:
-        theta, outward, turned = _around(eye, middle)
-        near = np.flatnonzero((theta > _LEAST_AWAY) & (theta < radius))
-        which = np.rint(turned[near] / (math.pi / 2)).astype(np.int64) % len(ARMS)
-        if spread and np.bincount(which, minlength=len(ARMS)).min() < _LEAST_OF_AN_ARM:
-            continue
+    at_once = max(_PAIRS_AT_ONCE // max(len(eye), 1), 1)
+    for first in range(0, count, at_once):
+        if progress is not None:
+            progress(first / count)
+        some = middles[first : first + at_once]
+        # Nearly so near; what is near is told exactly of these.
+        of, near = np.nonzero(some @ frames[0].T > math.cos(radius) - 1e-6)
+        theta, outward, turned = _around(frames[0][near], some[of])
+        is_in = (theta > _LEAST_AWAY) & (theta < radius)
+        of, near, outward, turned = (each[is_in] for each in (of, near, outward, turned))
+        which = np.rint(turned / (math.pi / 2)).astype(np.int64) % len(ARMS)
+        members = np.bincount(len(ARMS) * of + which, minlength=len(ARMS) * len(some))
+        stays = members.reshape(-1, len(ARMS)).min(axis=1) >= (_LEAST_OF_AN_ARM if spread else 0)
         # The arm's direction, in the great circle's frame at the ommatidium: outwards and across.
-        off = (math.pi / 2) * which - turned[near]
-        across = np.cross(outward[near], normalized(np.asarray(eye.axis, np.float64))[near])
-        way = np.cos(off)[:, None] * outward[near] + np.sin(off)[:, None] * across
-        cell.append(np.full(len(near), len(kept)))
-        arm.append(which)
-        ommatidium.append(near)
-        along.append(_in_frames(eye, near, way))
-        kept.append(middle)
+        off = (math.pi / 2) * which - turned
+        across = np.cross(outward, frames[0][near])
+        way = np.cos(off)[:, None] * outward + np.sin(off)[:, None] * across
+        chosen = stays[of]
+        cell.append((len(kept) + np.cumsum(stays) - 1)[of[chosen]])
+        arm.append(which[chosen])
+        ommatidium.append(near[chosen])
+        along.append(_in_frames(frames, near[chosen], way[chosen]))
+        kept.extend(some[stays])
     if not kept:
         raise Error(
             f"eye: expected somewhere at least {_LEAST_OF_AN_ARM} ommatidia in each of the four "
             f"arms of a cell, within {math.degrees(radius):g}°; found nowhere"
         )
+    if progress is not None:
+        progress(1.0)
     return LoomingCells(
         len(eye), np.array(kept), *map(np.concatenate, (cell, arm, ommatidium, along))
     )
 
 
-def _around(eye: Eye, middle: Floats) -> tuple[Floats, Floats, Floats]:
-    """Of each ommatidium how far it looks from a direction (N,), which way leads on from there,
-    directions (N, 3), and the way to it from the middle (N,), from right towards up; rad."""
-    axis = normalized(np.asarray(eye.axis, np.float64))
-    level = axis @ middle
+def _frames_of(eye: Eye) -> _Frames:
+    axis, right, up = (
+        normalized(np.asarray(each, np.float64)) for each in (eye.axis, eye.right, eye.up)
+    )
+    return axis, right, up
+
+
+def _around(axis: Floats, middle: Floats) -> tuple[Floats, Floats, Floats]:
+    """Of axes (M, 3) how far they are from directions (M, 3) or (3,): angles (M,); which way leads
+    on from there, directions (M, 3); and the way to them from the middle (M,), from right towards
+    up; rad."""
+    level = np.sum(axis * middle, axis=-1)
     away = axis * level[:, None] - middle
     length = np.linalg.norm(away, axis=1)
-    right = np.cross(middle, (0.0, 1, 0) if abs(middle[1]) < 1 - 1e-9 else (0.0, 0, 1))
-    right /= np.linalg.norm(right)
+    is_steep = np.abs(middle[..., 1:2]) >= 1 - 1e-9
+    right = normalized(np.cross(middle, np.where(is_steep, (0.0, 0, 1), (0.0, 1, 0))))
     up = np.cross(right, middle)
     outward = away / np.where(length > 0, length, 1)[:, None]
-    return np.arctan2(length, level), outward, np.arctan2(axis @ up, axis @ right)
+    turned = np.arctan2(np.sum(axis * up, axis=-1), np.sum(axis * right, axis=-1))
+    return np.arctan2(length, level), outward, turned
 
 
-def _in_frames(eye: Eye, which: NDArray[np.generic], ways: Floats) -> Floats:
+def _in_frames(frames: _Frames, which: NDArray[np.generic], ways: Floats) -> Floats:
     """Directions (K, 3) as right and up (K, 2) of these ommatidia."""
-    right, up = (normalized(np.asarray(each, np.float64)[which]) for each in (eye.right, eye.up))
+    right, up = (each[which] for each in frames[1:])
     return np.stack([np.sum(ways * right, axis=1), np.sum(ways * up, axis=1)], axis=1)
 
 

@@ -9,7 +9,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, within
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
-from omma.base.slips import refuse_slip
+from omma.base.slips import refuse_slip, warn_of_slip
 from omma.photoreceptors.adaptation import light_of
 from omma.photoreceptors.filters import filter_frames
 from omma.photoreceptors.impulse_response import ImpulseResponse
@@ -54,13 +54,16 @@ def microsaccades_rad(
 
     Raises:
         omma.Error: light that is negative or not finite, no frames, times or angles out of range.
+
+    Warns:
+        UserWarning: angles above 30°, mostly degrees.
     """
     given = light_of(light, "light")
     if given.ndim == 0 or len(given) == 0:
         raise Error("light: expected frames along the first axis, found none")
     decades = np.log10(1 + given / positive(dark, "dark"))
-    within(decade_rad, "decade_rad", 0.0, _WIDEST_RAD)
-    within(largest_rad, "largest_rad", 0.0, _WIDEST_RAD)
+    for name, angle in (("decade_rad", decade_rad), ("largest_rad", largest_rad)):
+        warn_of_slip("turn of an axis", within(angle, name, 0.0, _WIDEST_RAD), name)
     within(latency_s, "latency_s", 0.0, 1.0)
     for name, value in (("rise_s", rise_s), ("return_s", return_s)):
         refuse_slip("impulse response", positive(value, name), name)
@@ -104,6 +107,9 @@ def displace_axes(
     Raises:
         omma.Error: vectors that are not of length 1 or not across each other, angles of another
             number or not finite.
+
+    Warns:
+        UserWarning: turns above 30°, or a direction of more than a turn, mostly degrees.
     """
     looking, upwards = array_of(axis, "axis", (None, 3)), array_of(up, "up", (None, 3))
     count = len(looking)
@@ -116,6 +122,8 @@ def displace_axes(
         raise Error("up: expected vectors across the axes")
     angle = array_of(angle_rad, "angle_rad", (..., count), finite=True)
     towards = array_of(towards_rad, "towards_rad", [(), (count,)], finite=True)
+    warn_of_slip("turn of an axis", angle, "angle_rad")
+    warn_of_slip("direction", towards, "towards_rad")
     right = np.cross(looking, upwards)
     across = np.cos(towards)[..., None] * upwards + np.sin(towards)[..., None] * right
     turned = np.cos(angle)[..., None] * looking + np.sin(angle)[..., None] * across

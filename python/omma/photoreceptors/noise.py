@@ -39,10 +39,14 @@ def photon_noise(
     units, and responses come back: a Poisson number of mean R × photons_per_s ×
     integration_time_s, divided by the latter two.
 
+    With one seed conditions share their noise: a frame of 1,020 photons has nearly the deviation
+    that one of 1,000 has, so that the two differ by far less than photons do, and seem five times
+    as easy to tell apart as they are. What is compared has a seed for each condition.
+
     Args:
         catches: (F, ...), frames first: mean photons in the time over which a receptor adds up, or
             responses.
-        seed: 0 to 2⁶⁴ - 1; another one gives other numbers.
+        seed: 0 to 2⁶⁴ - 1; another one for each condition and each trial.
         photons_per_s: that a receptor absorbs at a response of 1; a number, or one for each, that
             goes with the shape of a frame.
         integration_time_s: over which it adds up: 1 / frame rate where frames are filtered
@@ -52,6 +56,14 @@ def photon_noise(
 
     Returns:
         Of the same shape.
+
+    Example:
+        >>> dim, bright = (
+        ...     omma.photoreceptors.photon_noise(np.full((2000, 5), photons), seed)
+        ...     for seed, photons in enumerate([1000.0, 1020.0])
+        ... )
+        >>> bool(abs((bright - dim).var() / (1000 + 1020) - 1) < 0.1)
+        True
 
     Raises:
         omma.Error: catches that are negative, not finite or more than 9e15 photons; only one of
@@ -105,7 +117,8 @@ def intrinsic_noise(
         responses: (F, ...), frames first.
         deviation: standard deviation, in the unit of the responses; a number, or one that goes
             with the shape of a frame.
-        seed: 0 to 2⁶⁴ - 1; with the same one it is independent of `photon_noise`.
+        seed: 0 to 2⁶⁴ - 1; with the same one it is independent of `photon_noise`, and the very same
+            numbers are added to other responses: another one for each condition and each trial.
         first_frame: number of the first frame, as for `photon_noise`.
 
     Raises:

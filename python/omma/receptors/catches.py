@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
+from omma.base.slips import warn_of_slip
 from omma.base.warn import warn_caller
 from omma.light.lights import Light
 from omma.receptors.rhabdoms import rhabdom_share
@@ -64,10 +65,12 @@ def photon_catch(
     Raises:
         omma.Error: light in watts, responses of another number of receptors, an eye without
             receptors, or one in which the facet of a receptor or its absorption or length is not
-            known; another word for ``field``, or a compoundray, which has no solid angle.
+            known; responses that are negative or not finite; another word for ``field``, or a
+            compoundray, which has no solid angle.
 
     Warns:
-        UserWarning: receptors whose acceptance angle is 0 catch nothing.
+        UserWarning: receptors whose acceptance angle is 0 catch nothing; an integration time above
+            5 s.
     """
     if light.unit != "photons":
         raise Error(f"light: expected one in photons, as catches are, found {light.unit}")
@@ -87,14 +90,23 @@ def photon_catch(
     answers = array_of(responses, "responses")
     if answers.shape[-1:] != sensitivity.shape:
         raise Error(_which_responses(eye, answers.shape))
+    bad = np.argwhere(~(np.isfinite(answers) & (answers >= 0)))
+    if len(bad):
+        where = ", ".join(map(str, bad[0]))
+        raise Error(
+            f"responses: expected finite numbers from 0 on, found {answers[tuple(bad[0])]:g} at "
+            f"[{where}]"
+        )
     per_type = np.array(of_each_sensitivity(eye.receptor_types, sensitivity_integral_nm))
     per_response = sensitivity * rhabdom_share(eye) * per_type[eye.receptor_type] * time_s
     return np.asarray(answers * per_response)
 
 
 def _times(integration_time_s: ArrayLike, count: int) -> Floats:
-    if np.ndim(integration_time_s) == 0:
-        return np.asarray(positive(integration_time_s, "integration_time_s"))  # type: ignore[arg-type]
+    if not isinstance(integration_time_s, list | tuple) and np.ndim(integration_time_s) == 0:
+        time_s = positive(integration_time_s, "integration_time_s")  # type: ignore[arg-type]
+        warn_of_slip("integration time", time_s, "integration_time_s")
+        return np.asarray(time_s)
     times = array_of(integration_time_s, "integration_time_s")
     if times.shape != (count,):
         raise Error(
@@ -103,6 +115,7 @@ def _times(integration_time_s: ArrayLike, count: int) -> Floats:
         )
     if not (np.all(np.isfinite(times)) and np.all(times > 0)):
         raise Error(f"integration_time_s: expected numbers above 0, found {times.min():g}")
+    warn_of_slip("integration time", float(times.max()), "integration_time_s")
     return times
 
 

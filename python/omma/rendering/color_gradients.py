@@ -66,6 +66,7 @@ def color_jacobian(
         omma.Error: a world that is or was lit, or with the colours of CompoundRay, rays that are
             not `Fixed`, no such material, or what `render` raises.
     """
+    check_linear(self.world)
     fixed_samples(self.settings.sampling, "derivatives by colours")
     names = list(by) if isinstance(by, Sequence) and not isinstance(by, str) else [by]
     materials = [one.name for one in self.world.scene.materials]
@@ -141,6 +142,7 @@ def background_vjp(
         omma.Error: a renderer with footprints or frames that last, another shape, or what
             `color_jacobian` raises.
     """
+    check_linear(self.world)
     samples = samples_without_filter(self)
     rows, columns = array_of(shape, "shape", (2,), np.int64).tolist()
     size = whole(rows, "shape", 1, 1 << 15), whole(columns, "shape", 1, 1 << 15)
@@ -233,9 +235,9 @@ def band_from_rgb_of(world: World) -> Floats | None:
     return found
 
 
-@contextmanager
-def black(world: World) -> Iterator[World]:
-    """The world with all materials black, which have their colours back afterwards."""
+def check_linear(world: World) -> None:
+    """omma.Error where responses are not linear in the colours of a world: before anything else, as
+    no change of the renderer mends that."""
     if world.light is not None:
         raise Error("world: expected one that is not lit, where light goes from surface to surface")
     if world.scene.color_rule != "gltf":
@@ -243,6 +245,12 @@ def black(world: World) -> Iterator[World]:
             "scene: expected the colour rule gltf, by which responses are linear in colours, found "
             f"{world.scene.color_rule}"
         )
+
+
+@contextmanager
+def black(world: World) -> Iterator[World]:
+    """The world with all materials black, which have their colours back afterwards."""
+    check_linear(world)
     with world._colors.kept(world._engine):
         for k in range(len(world.scene.materials)):
             world.set_color(k, _BLACK, emissive=_BLACK)

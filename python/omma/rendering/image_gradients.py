@@ -21,7 +21,13 @@ from omma.base.arrays import Floats
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
 from omma.rendering.call import Poses, Prepared, poses_of
-from omma.rendering.color_gradients import band_from_rgb_of, black, rays_of, samples_without_filter
+from omma.rendering.color_gradients import (
+    band_from_rgb_of,
+    black,
+    check_linear,
+    rays_of,
+    samples_without_filter,
+)
 from omma.rendering.settings import frame_number
 from omma.scene.world import World
 from omma.scene.world_colors import index_of
@@ -77,6 +83,7 @@ def image_vjp(
         omma.Error: no such image, one that no material shows or whose alpha cuts out or blends, a
             world that is or was lit, or what `background_vjp` raises.
     """
+    check_linear(self.world)
     samples = samples_without_filter(self)
     scene = self.world.scene
     index = index_of(image, "image", [one.name for one in scene.images])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,7 @@ from omma.scene.solids import disc
 from omma.stimuli.checks import Check, check_fields, length_m, radiance_of
 from omma.stimuli.discs_seen import Discs
 from omma.stimuli.shapes import directions_of, facing_origin, polygon_radius_m
-from omma.stimuli.stimulus import as_times
+from omma.stimuli.stimulus import as_times, one_or_more_times
 
 # Of the polygon that is a disc, whose area is the circle's.
 _CORNERS = 256
@@ -78,11 +79,15 @@ class LoomingDisc(Discs):
         warn_of_slip("l/v", self.l_over_v_s, "l_over_v_s")
         warn_of_slip("time of collision", self.collision_s, "collision_s")
 
-    def size_deg(self, times_s: ArrayLike) -> Floats:
-        """Its angular size θ (T,), degrees, at times (T,), s."""
-        left_s = np.maximum(self.collision_s - as_times(times_s), 0.0)
+    def size_deg(self, times_s: ArrayLike) -> Any:
+        """Its angular size θ (T,), degrees, at times (T,), s; a number at one time.
+
+        Raises:
+            omma.Error: a wrong shape, or a time that is not finite.
+        """
+        left_s = np.maximum(self.collision_s - one_or_more_times(times_s), 0.0)
         size = 2 * np.degrees(np.arctan2(self.l_over_v_s, left_s))
-        return np.asarray(np.minimum(size, self.largest_deg))
+        return np.minimum(size, self.largest_deg)
 
     def _transforms(self, times_s: Floats) -> Floats:
         distance = self.half_width_m / np.tan(np.radians(self.size_deg(times_s)) / 2)
@@ -172,8 +177,16 @@ class Target(Discs):
         return check
 
     def directions(self, times_s: ArrayLike) -> Floats:
-        """Where it is: directions (T, 3) at times (T,), s."""
-        times = np.clip(as_times(times_s), self.path_s[0], self.path_s[-1])
+        """Where it is: directions (T, 3) at times (T,), s; (3,) at one time.
+
+        Raises:
+            omma.Error: a wrong shape, or a time that is not finite.
+        """
+        given = one_or_more_times(times_s)
+        return self._directions(given.ravel()).reshape(*given.shape, 3)
+
+    def _directions(self, times_s: Floats) -> Floats:
+        times = np.clip(times_s, self.path_s[0], self.path_s[-1])
         points = directions_of(self.azimuth_deg, self.elevation_deg)
         if len(points) == 1:
             return np.repeat(points, len(times), axis=0)

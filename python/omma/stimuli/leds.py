@@ -26,6 +26,14 @@ from omma.scene.solids import tube
 from omma.stimuli.checks import check_fields, whole_from
 from omma.stimuli.held import ROUNDING, Held
 from omma.stimuli.jumps import Motion, whole_counts
+from omma.stimuli.leds_told import (
+    RangeShown,
+    jumps_at_seam,
+    tell_of_frames,
+    tell_of_levels,
+    tell_of_pixels,
+    tell_of_seam,
+)
 from omma.stimuli.shapes import grey
 from omma.stimuli.stimulus import Renderer, Stimulus, as_times
 
@@ -112,6 +120,9 @@ class LedArena(Stimulus):
                 f"panels_up: expected at most {_MOST_PIXELS:,} pixels in all frames, found "
                 f"{self.frame_count:,} frames of {pixels:,}"
             )
+        assert self.refresh_hz is not None
+        tell_of_frames(self.shown, self.duration_s, self.refresh_hz, self.frame_count)
+        tell_of_pixels(self.shown, self.panels_around * _LEDS)
 
     def _checked_refresh(self, value: float | None, name: str) -> float:
         refresh = _SCAN_HZ / (2**self.bits - 1) if value is None else value
@@ -145,8 +156,14 @@ class LedArena(Stimulus):
         return self._radiance_of(frames[of_frame[self._frame(as_times([time_s]))[0]]])
 
     def _transforms(self, times_s: Floats) -> Floats:
+        self._tell_of_seam(times_s)
         _, of_frame = self._different
         return self._showing(of_frame[self._frame(times_s)])
+
+    def _tell_of_seam(self, times_s: Floats) -> None:
+        rounds = self._refreshes(times_s) // self.frame_count
+        if len(rounds) and np.ptp(rounds) and self._jumps_at_seam:
+            tell_of_seam(self.frame_count)
 
     def _showing(self, frames: NDArray[np.int64]) -> Floats:
         """Where things are (M, K, 4, 4) when it shows these (M,) of the frames that differ."""
@@ -170,6 +187,7 @@ class LedArena(Stimulus):
         instances: list[int],
         progress: Progress | None,
     ) -> NDArray[np.float32]:
+        self._tell_of_seam(times_s)
         settings, (_, of_frame) = renderer.settings, self._different
         assert settings.impulse_response is not None
         assert self.refresh_hz is not None
@@ -210,9 +228,12 @@ class LedArena(Stimulus):
 
     def _frame(self, times_s: Floats) -> NDArray[np.int64]:
         """Number of the frame that is shown, (T,)."""
+        return np.mod(self._refreshes(times_s), self.frame_count)
+
+    def _refreshes(self, times_s: Floats) -> NDArray[np.int64]:
+        """How many there have been since time 0, (T,)."""
         assert self.refresh_hz is not None
-        since = np.floor(times_s * self.refresh_hz + ROUNDING)
-        return np.asarray(np.mod(since, self.frame_count), np.int64)
+        return np.floor(times_s * self.refresh_hz + ROUNDING).astype(np.int64)
 
     @cached_property
     def _different(self) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
@@ -220,13 +241,20 @@ class LedArena(Stimulus):
         assert self.refresh_hz is not None
         towards = self._pixel_directions()
         most = 2**self.bits - 1
+        range_shown = RangeShown()
         levels = np.empty((self.frame_count, *towards.shape[:2]), np.uint8)
         for number in range(self.frame_count):
             radiance = self.shown.radiance(towards, number / self.refresh_hz)
+            range_shown.add(radiance)
             # Halves go up: of two levels a grey background is the bright one.
             levels[number] = np.clip(np.floor(radiance / self.brightest * most + 0.5), 0, most)
+        tell_of_levels(range_shown, self.brightest, self.bits)
         frames, of_frame = np.unique(levels, axis=0, return_inverse=True)
         return frames, np.asarray(of_frame.reshape(-1), np.int64)
+
+    @cached_property
+    def _jumps_at_seam(self) -> bool:
+        return jumps_at_seam(self.shown, *self._different)
 
     def _radiance_of(self, levels: NDArray[np.uint8]) -> Floats:
         return np.asarray(levels * (self.brightest / (2**self.bits - 1)))

@@ -12,11 +12,13 @@ from omma.base.arguments import Shape, array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.poses import Matrices
 from omma.base.progress import Progress
+from omma.base.slips import warn_of_slip
 from omma.base.values import in_full
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
 from omma.stimuli.gaussian import gaussian_means
 from omma.stimuli.jumps import Motion, Path, even_steps, motion_of
+from omma.stimuli.shown import check_shown, is_shown
 
 
 class Settings(Protocol):
@@ -63,7 +65,8 @@ class Stimulus:
 
     @checked
     def transforms(self, times_s: ArrayLike) -> Floats:
-        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s.
+        """Where its things are: ``world_from_node`` (T, K, 4, 4), m, at times (T,), s; (K, 4, 4) at
+        one time.
 
         Some of `PlaneGrating`, `Starfield` and `LedArena` jump from one time to the next. For how
         things move see `velocities`; `play` knows which are jumps.
@@ -71,12 +74,15 @@ class Stimulus:
         Raises:
             omma.Error: a wrong shape, or a time that is not finite.
         """
-        return self._transforms(as_times(times_s))
+        times = one_or_more_times(times_s)
+        return np.asarray(
+            self._transforms(times.ravel()).reshape(*times.shape, len(self.names), 4, 4)
+        )
 
     @checked
     def velocities(self, times_s: ArrayLike) -> dict[str, tuple[Floats, Floats]]:
         """How its things move, as `Renderer.ground_truth` takes it: {name: (linear (T, 3), m/s, and
-        angular (T, 3), rad/s)} in the world, at times (T,), s.
+        angular (T, 3), rad/s)} in the world, at times (T,), s; (3,) each at one time.
 
         Of what is seen: where a thing jumps, as a `PlaneGrating` does by a period, that does not
         count.
@@ -89,8 +95,11 @@ class Stimulus:
         Raises:
             omma.Error: a wrong shape, or a time that is not finite.
         """
-        linear, angular = self._velocities(as_times(times_s))
-        return {name: (linear[:, k], angular[:, k]) for k, name in enumerate(self.names)}
+        times = one_or_more_times(times_s)
+        linear, angular = (
+            one.reshape(*times.shape, len(self.names), 3) for one in self._velocities(times.ravel())
+        )
+        return {name: (linear[..., k, :], angular[..., k, :]) for k, name in enumerate(self.names)}
 
     @checked
     def radiance(self, directions: ArrayLike, time_s: float) -> Floats:
@@ -153,6 +162,7 @@ class Stimulus:
             omma.Error: an option is out of its range.
         """
         world = World(self.scene(), **options)
+        is_shown(self, world)
         self.move(world, 0.0)
         return world
 
@@ -161,7 +171,7 @@ class Stimulus:
         """Put its things in a world, its own or any that has them, to where they are at a time, s.
 
         Raises:
-            omma.Error: the world lacks them, or is being rendered.
+            omma.Error: the world lacks them or has those of another stimulus, or is being rendered.
         """
         expect(world, World, "world", "Stimulus.world gives one")
         transforms = self._transforms(np.array([_one_time(time_s)]))[0]
@@ -174,14 +184,17 @@ class Stimulus:
             numbers.setdefault(one.name, []).append(number)
         found = [numbers.get(name, []) for name in self.names]
         # The world says what is wrong with a name that nothing has, or several things.
-        return [
+        indices = [
             one[0] if len(one) == 1 else world.index(name)
             for name, one in zip(self.names, found, strict=True)
         ]
+        check_shown(self, world)
+        return indices
 
     @checked
     def expected(self, axes: ArrayLike, acceptance_rad: ArrayLike, times_s: ArrayLike) -> Floats:
-        """What ommatidia with a Gaussian angular sensitivity at the origin answer: (T, N).
+        """What ommatidia with a Gaussian angular sensitivity at the origin answer: (T, N), or (N,)
+        at one time.
 
         In each band, where its weights of red, green and blue sum to 1. Computed from formulas,
         not rendered: docs/scenes.md says how, and how exactly.
@@ -189,10 +202,13 @@ class Stimulus:
         Args:
             axes: (N, 3), where they look in the world; of any length.
             acceptance_rad: (N,) or one for all, Δρ, full width at half maximum; 0 is a single ray.
-            times_s: (T,), s.
+            times_s: (T,), or one time, s.
 
         Raises:
             omma.Error: a wrong shape, an axis of length 0, an acceptance angle below 0 or above π.
+
+        Warns:
+            UserWarning: acceptance angles above 60° or below 0.02°, mostly degrees.
         """
         vectors = array_of(axes, "axes", (None, 3))
         length = np.linalg.norm(vectors, axis=1, keepdims=True)
@@ -203,8 +219,11 @@ class Stimulus:
             raise Error(f"acceptance_rad: expected shape ({len(vectors)},), found {widths.shape}")
         if not ((widths >= 0) & (widths <= np.pi)).all():
             raise Error("acceptance_rad: expected angles from 0 to π")
+        warn_of_slip("acceptance angle", widths[widths > 0], "acceptance_rad")
         all_widths = np.broadcast_to(widths, (len(vectors),))
-        return self._expected(vectors / length, all_widths, as_times(times_s))
+        times = one_or_more_times(times_s)
+        found = self._expected(vectors / length, all_widths, times.ravel())
+        return np.asarray(found.reshape(*times.shape, len(vectors)))
 
     def _expected(self, axes: Floats, acceptance_rad: Floats, times_s: Floats) -> Floats:
         return gaussian_means(self._radiance, axes, acceptance_rad, times_s)
@@ -226,7 +245,9 @@ class Stimulus:
         next, and stood still before the first.
 
         Args:
-            renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things.
+            renderer: an `omma.Renderer` of `world()`, or of any world with the stimulus' things:
+                not of the world of another stimulus, as contrasts, wavelengths and shapes are part
+                of the world.
             times_s: (T,), s.
             poses: ``world_from_head``, (4, 4), or (T, 4, 4), one for each time, m. None: the
                 identity.
@@ -242,8 +263,8 @@ class Stimulus:
 
         Raises:
             omma.Error: a wrong shape, a pose or a time that is not finite, a world without the
-                stimulus; with an impulse response times that do not grow or between which it turns
-                by half a turn or more, or more jumps than can be followed.
+                stimulus or with another one; with an impulse response times that do not grow or
+                between which it turns by half a turn or more, or more jumps than can be followed.
         """
         times = as_times(times_s)
         shapes: list[Shape] = [(4, 4), (len(times), 4, 4)]
@@ -295,7 +316,12 @@ class Stimulus:
 
 def as_times(times_s: ArrayLike) -> Floats:
     """Times (T,), s, checked."""
-    times = array_of(times_s, "times_s", (None,))
+    return one_or_more_times(array_of(times_s, "times_s", (None,)))
+
+
+def one_or_more_times(times_s: ArrayLike) -> Floats:
+    """Times (T,) or one time (), s, checked."""
+    times = array_of(times_s, "times_s", [(None,), ()])
     if not (np.isfinite(times) & (np.abs(times) < 1e9)).all():
         raise Error("times_s: expected seconds between -1e9 and 1e9, found others")
     return times
