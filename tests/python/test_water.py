@@ -211,7 +211,6 @@ class TestDepth:
             contrast = 1 - seen / light.radiance((0, 0, -1))[0]
             np.testing.assert_allclose(contrast, np.exp(-c * distance_m), rtol=1e-3)
 
-
     @pytest.mark.parametrize("down_deg", [20.0, 60.0, 90.0])
     def test_black_floors_fade_into_the_water_below(self, down_deg):
         """The same of what lies below, to the light that comes up from there without a floor."""
