@@ -385,7 +385,8 @@ def test_a_title_says_what_was_done():
         "clear sky, sun elevation 30°, sun azimuth 0°, 30% cumulus": omma.light.cloudy_sky(
             30, 0.3, bands=few
         ),
-        f"{said}, air of visibility 500 m": air(clear, 500),
+        f"{said}, air of visibility 5000 m": air(clear, 5000),
+        f"{said}, air of visibility 500 m, 50 m high": air(clear, 500, layer_height_m=50),
         f"{said}, its own air": air(clear),
         f"{said}, turned by 30°": clear.turned(30),
         f"{said}, turned by -40°": clear.turned(-400),
