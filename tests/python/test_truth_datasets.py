@@ -147,3 +147,15 @@ def test_times_of_a_dataset_are_finite(moved):
         renderer.dataset(poses, time_s=[0, np.nan, 1])
     # As of sequences one after the other.
     assert renderer.dataset(poses, time_s=[0, 1, 0]).time.values.tolist() == [0, 1, 0]
+
+
+def test_files_of_fresh_noise_say_that_they_begin_with_frame_0(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    eye, file = omma.eye.generate_eye(20), tmp_path / "out.nc"
+    omma.save_eye(tmp_path / "e.csv", eye)
+    scene = omma.examples.meadow()
+    omma.render_file(
+        scene, [file], omma.Fixed(1), eyes=[tmp_path / "e.csv"], noise="new_every_frame"
+    )
+    with xarray.open_dataset(file) as kept:
+        assert kept.attrs["first_pose"] == 0
