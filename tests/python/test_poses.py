@@ -119,3 +119,30 @@ def test_csv_that_cannot_be_read(tmp_path):
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
     with pytest.raises(omma.Error, match="line 2: expected UTF-8 text"):
         omma.load_poses(tmp_path / "binary.csv")
+
+
+@pytest.mark.parametrize(
+    ("poses", "found"),
+    [
+        (np.eye(4).astype(str), "texts"),
+        (np.eye(4).astype("S"), "texts"),
+        (np.eye(4) + 0j, "complex numbers"),
+        (np.eye(4, dtype=bool), "True or False"),
+        (np.eye(4).astype(object), "objects"),
+        (np.eye(4).astype("m8[s]"), "durations"),
+        (["bee", "bee"], "texts, of which a renderer takes one, a camera's name"),
+        ([[1, 2], [3]], "rows of different lengths"),
+    ],
+)
+def test_what_is_no_array_of_numbers_is_no_pose(poses, found):
+    renderer = omma.Renderer(omma.Scene(), omma.eye.generate_eye(10), omma.Fixed(1))
+    with pytest.raises(omma.Error, match=f"poses: expected .* world_from_head, found {found}"):
+        renderer.render(poses)
+
+
+def test_a_camera_for_a_pose_is_told_of_its_pose_and_its_name():
+    scene = omma.load_scene(omma.examples.meadow())
+    renderer = omma.Renderer(omma.Scene(), omma.eye.generate_eye(10), omma.Fixed(1))
+    camera = scene.cameras[0]
+    with pytest.raises(omma.Error, match=rf"\.world_from_camera is one, .* name, '{camera.name}'"):
+        renderer.render(camera)

@@ -45,7 +45,7 @@ def test_dataset_names_units_and_places(things):
     assert "share" not in plain
     with pytest.raises(omma.Error, match="truth: expected that of 1 poses"):
         renderer.dataset(poses[:1], truth=truth)
-    with pytest.raises(omma.Error, match="truth: not together with"):
+    with pytest.raises(omma.Error, match=r"ground_truth\(\.\.\., standard_error=True\)"):
         renderer.dataset(poses, truth=truth, standard_error=True)
     auto = renderer.with_eye(eye, omma.ToError(0.1, most=64))
     found = auto.dataset(poses, truth=auto.ground_truth(poses))
@@ -79,3 +79,83 @@ def test_a_dataset_takes_the_truth_of_its_own_poses_and_eye_alone(things):
     renderer.dataset(poses.astype(np.float32), truth=truth)
     by_hand = dataclasses.replace(truth, world_from_head=None, eye=None)
     renderer.dataset(others, truth=by_hand)
+
+
+@pytest.fixture(scope="module")
+def moved(things):
+    """A renderer, poses, and how the ball moves meanwhile."""
+    renderer = omma.Renderer(things, omma.eye.generate_eye(20), omma.Fixed(2))
+    path = omma.poses_from_angles([(0.2 * k, 0, 0) for k in range(3)], [(0, 0, 0)])
+    transforms = path[:, None]
+    moves = {"instances": ["ball"], "transforms": transforms, "times_s": np.array([0, 0.1, 0.2])}
+    return renderer, np.stack([np.eye(4)] * 3), moves
+
+
+def test_a_dataset_of_truth_says_what_truth_was_rendered_with(moved):
+    pytest.importorskip("xarray")
+    renderer, poses, moves = moved
+    truth = renderer.ground_truth(poses, **moves)
+    for given in ({}, moves):
+        data = renderer.dataset(poses, truth=truth, **given)
+        assert data.time.values.tolist() == [0, 0.1, 0.2]
+        assert data.thing.values.tolist() == ["ball"]
+        assert np.array_equal(data.world_from_thing, moves["transforms"])
+    eye, transforms = renderer.eye, moves["transforms"]
+    for options, what in (
+        ({"seed": 9}, "seed 9, found 0"),
+        ({"angular_sensitivity": "pillbox"}, "angular_sensitivity pillbox, found own"),
+        ({"sampling": omma.Fixed(4)}, "samples 4, found 2"),
+    ):
+        with pytest.raises(omma.Error, match=f"truth: .* settings, {what}"):
+            renderer.with_eye(eye, **options).dataset(poses, truth=truth)
+    with pytest.raises(omma.Error, match=r"transforms: .* of 'ball' at pose 0"):
+        renderer.dataset(poses, truth=truth, instances=["ball"], transforms=transforms[::-1])
+    with pytest.raises(omma.Error, match=r"instances: expected .*'ball'.*, which truth has moved"):
+        renderer.dataset(poses, truth=truth, instances=[0], transforms=transforms)
+    with pytest.raises(omma.Error, match=r"time_s: .* pose 1 at 1 s here, 0.1 s there"):
+        renderer.dataset(poses, truth=truth, time_s=[0, 1, 2])
+    with pytest.raises(omma.Error, match=r"instances: expected .*, which truth has moved"):
+        renderer.dataset(
+            poses, truth=renderer.ground_truth(poses), instances=["ball"], transforms=transforms
+        )
+
+
+def test_fresh_noise_is_rendered_again_from_the_attributes(moved):
+    pytest.importorskip("xarray")
+    frozen, poses, _ = moved
+    renderer = frozen.with_eye(frozen.eye, noise="new_every_frame")
+    renderer.render(np.stack([np.eye(4)] * 7))
+    truth = renderer.ground_truth(poses)
+    with pytest.raises(omma.Error, match="first_pose: expected 7, as of truth, or None, found 0"):
+        renderer.dataset(poses, truth=truth, first_pose=0)
+    again = frozen.with_eye(frozen.eye, noise="new_every_frame")
+    for data, first in (
+        (renderer.dataset(poses, truth=truth), 7),
+        (renderer.dataset(poses), 10),
+        (renderer.dataset(poses, first_pose=4), 4),
+        (renderer.dataset(poses), 13),
+    ):
+        assert data.attrs["first_pose"] == first
+        assert np.array_equal(again.render(poses, first_pose=first), data.response)
+    assert "first_pose" not in frozen.dataset(poses).attrs
+
+
+def test_times_of_a_dataset_are_finite(moved):
+    pytest.importorskip("xarray")
+    renderer, poses, _ = moved
+    with pytest.raises(omma.Error, match="time_s: expected finite numbers"):
+        renderer.dataset(poses, time_s=[0, np.nan, 1])
+    # As of sequences one after the other.
+    assert renderer.dataset(poses, time_s=[0, 1, 0]).time.values.tolist() == [0, 1, 0]
+
+
+def test_files_of_fresh_noise_say_that_they_begin_with_frame_0(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    eye, file = omma.eye.generate_eye(20), tmp_path / "out.nc"
+    omma.save_eye(tmp_path / "e.csv", eye)
+    scene = omma.examples.meadow()
+    omma.render_file(
+        scene, [file], omma.Fixed(1), eyes=[tmp_path / "e.csv"], noise="new_every_frame"
+    )
+    with xarray.open_dataset(file) as kept:
+        assert kept.attrs["first_pose"] == 0

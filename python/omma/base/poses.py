@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
-from omma._core import Error
+from omma._core import Camera, Error
 from omma.base.arguments import array_of, checked
 from omma.base.dlpack import as_numpy
 from omma.base.tables import read_table
@@ -21,6 +21,16 @@ from omma.base.warn import warn_caller
 Matrices = NDArray[np.float64]
 
 QUATERNION_COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
+# Kinds of NumPy's types that would become numbers by chance, or would lose something.
+_NO_NUMBERS = {
+    "b": "True or False",
+    "c": "complex numbers",
+    "S": "texts",
+    "U": "texts, of which a renderer takes one, a camera's name",
+    "O": "objects",
+    "M": "dates",
+    "m": "durations",
+}
 ANGLE_COLUMNS = ("x", "y", "z", "yaw_deg", "pitch_deg", "roll_deg")
 
 
@@ -191,10 +201,18 @@ def as_poses(poses: Any, first: int = 0) -> Matrices:
         return poses_from_quaternions(*poses)
     poses = as_numpy(poses, "poses")
     expected = "poses: expected (P, 4, 4) or (4, 4) matrices world_from_head"
+    if isinstance(poses, Camera):
+        raise Error(
+            f"{expected}, found a camera; its .world_from_camera is one, and renderers take its "
+            f"name, {poses.name!r}"
+        )
     try:
-        given = np.asarray(poses, dtype=np.float64, order="C")
+        found = np.asarray(poses)
     except (TypeError, ValueError):
-        raise Error(f"{expected}, found {type(poses).__name__} of something else") from None
+        raise Error(f"{expected}, found rows of different lengths") from None
+    if found.dtype.kind in _NO_NUMBERS:
+        raise Error(f"{expected}, found {_NO_NUMBERS[found.dtype.kind]}: {poses!r:.60}")
+    given = np.asarray(found, dtype=np.float64, order="C")
     matrices = given[None] if given.ndim == 2 else given
     if matrices.ndim != 3 or matrices.shape[1:] != (4, 4):
         raise Error(f"{expected}, found shape {given.shape}")

@@ -176,6 +176,7 @@ def run_job(
         with_cameras=begun.cameras is not None,
         time_s=view.times_s if times_s is None else times_s,
         more=story_of(job, view.files, begun.background, command),
+        first_pose=0,
     )
 
     def make_paint() -> Paint:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from threading import Lock
 from typing import Protocol
 
 import numpy as np
@@ -28,10 +29,26 @@ Target = Responses | OnCard
 Poses = ArrayLike | tuple[ArrayLike, ArrayLike] | str
 
 
+class FrameCount:
+    """Numbers of frames with new noise, counted on from call to call, from 0."""
+
+    def __init__(self) -> None:
+        self._next = 0
+        self._lock = Lock()
+
+    def take(self, count: int) -> int:
+        """The number of the first of the next ``count`` frames."""
+        with self._lock:
+            first = self._next
+            self._next += count
+        return first
+
+
 class Prepared(Protocol):
     """What a call needs of `omma.Renderer`, whose methods make calls."""
 
     _engine: _core.Renderer
+    _frames: FrameCount
 
     @property
     def world(self) -> World: ...
@@ -106,6 +123,12 @@ class Call:
         """Numbers of poses and of ommatidia."""
         return len(self.poses), len(self.renderer.eye)
 
+    def numbered(self) -> Call:
+        """The same, with the number of its first frame where noise is new in every frame."""
+        if self.first_frame is not None or self.renderer.settings.is_noise_frozen:
+            return self
+        return replace(self, first_frame=self.renderer._frames.take(len(self.poses)))
+
     def piece(self, first: int, count: int) -> Call:
         """The same of some of the poses, with their share of the progress."""
         poses = self.poses[first : first + count]
@@ -162,7 +185,7 @@ class Call:
             frames.rays,
             ray_radiance,
             beside_rays,
-            self.first_frame,
+            self.numbered().first_frame,
             output_from_band,
             stokes,
             self.moves.for_engine(),
@@ -182,7 +205,7 @@ class Call:
             rays,
             None,
             None,
-            self.first_frame,
+            self.numbered().first_frame,
             None,
             False,
             self.moves.for_engine(),
@@ -197,7 +220,7 @@ class Call:
             self.renderer._engine,
             self.poses,
             arrays,
-            self.first_frame,
+            self.numbered().first_frame,
             self.moves.for_engine(),
             self.progress,
         )

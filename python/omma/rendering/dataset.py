@@ -6,22 +6,23 @@ Needs xarray, an optional extra, which is imported only here and only when a dat
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from omma._core import Error
-from omma.base.arguments import array_of, checked
+from omma.base.arguments import checked
 from omma.base.optional import needs
-from omma.base.poses import Matrices
 from omma.base.progress import Progress
 from omma.rendering.call import Call, Frames, Poses, Prepared, poses_of
 from omma.rendering.labels import Labels, Variables, labels_of
-from omma.rendering.moves import Moves, MovesOptions, renderer_method
+from omma.rendering.moves import MovesOptions, Things, renderer_method
 from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, truth_variables
+from omma.rendering.truth_origin import check_origin, origin_of, things_of, times_of
 from omma.rendering.without_polarisation import tell_without_polarisation
 
 if TYPE_CHECKING:
@@ -54,7 +55,8 @@ def dataset(
     ``world_from_thing`` (pose, thing, 4, 4) of what ``transforms`` move, by name, with
     ``instance_index``, that in `World.instances`.
     Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
-    scene's files as they are now.
+    scene's files as they are now; with noise="new_every_frame" ``first_pose``, the number of the
+    first frame, with which `render` gives the same bits again.
 
     Args:
         poses, standard_error, first_pose, progress: as of `render`. With `ToError` there
@@ -62,15 +64,18 @@ def dataset(
         receptors: what receptors answer, as `render_receptors` says, instead of bands.
         ultraviolet: as of `render_receptors`.
         time_s: (P,), when each pose is, s: the first dimension is then ``time``. None:
-            ``times_s``, where these are given.
+            ``times_s``, where these are given. They may stand still or run backwards, as where
+            sequences follow on each other.
         truth: what `ground_truth` gave for these poses. Its responses are taken, nothing is
-            rendered; each of its arrays is a variable, with ``axis`` (x, y, z), ``direction``
-            (right, up) or ``instance`` behind ``ommatidium``.
+            rendered. Its first pose's number, times, instances and transforms are kept; what is
+            given of them here too must be the same. Each of its arrays is a variable, with ``axis``
+            (x, y, z), ``direction`` (right, up) or ``instance`` behind ``ommatidium``.
         instances, transforms, times_s, animation: as of `render`.
 
     Raises:
         omma.Error: what `render` and `render_receptors` raise; ``truth`` of other poses, of
-            another eye or of another world; no xarray (``omma[data]``).
+            another eye, world, settings, frames, times or transforms; ``time_s`` that are not
+            finite; no xarray (``omma[data]``).
     """
     load_xarray()
     if ultraviolet is not None and not receptors:
@@ -78,71 +83,73 @@ def dataset(
     when = moves.get("times_s") if time_s is None else time_s
     if truth is None:
         call = Call.of(self, poses, moves, first_pose, progress)
-        times = _times(when, call.poses)
+        times = times_of(None, when, len(call.poses))
         if receptors:
+            # Of the frames of who renders receptors' views.
+            seen_by = self._receptor_views()[1]
+            call = replace(replace(call, renderer=seen_by).numbered(), renderer=self)
             tell_without_polarisation(self.world, self._receptor_views()[0].most_polarisation)
             frames = frames_of_receptors(call, None, ultraviolet, standard_error)
         else:
+            call = call.numbered()
             to_error = isinstance(self.settings.sampling, ToError)
             frames = call.render(
                 call.new_frames(standard_error=standard_error or to_error, rays=to_error)
             )
-        return _labelled(self, call.poses, times, frames, call.moves, receptors)
-    if receptors or standard_error:
-        raise Error("truth: not together with receptors or standard_error")
+        labels = labels_of(
+            self,
+            call.poses,
+            receptors=receptors,
+            standard_error=frames.standard_error is not None,
+            time_s=times,
+            first_pose=call.first_frame,
+        )
+        return _labelled(labels, frames, call.moves.things())
+    if receptors:
+        raise Error("truth: not together with receptors, which it does not have")
+    if standard_error and truth.standard_error is None:
+        raise Error(
+            "standard_error: truth has none; ground_truth(..., standard_error=True) gives truth "
+            "with them"
+        )
     matrices = poses_of(self, poses)
-    times = _times(when, matrices)
     check_truth(truth, matrices, self)
+    origin = origin_of(truth)
+    if origin is not None:
+        check_origin(origin, self, first_pose)
+    times = times_of(origin, when, len(matrices))
     frames = Frames(truth.responses, truth.standard_error, truth.rays)
-    moving: MovesOptions = {
-        "instances": moves.get("instances"), "transforms": moves.get("transforms")
-    }  # fmt: skip
-    data = _labelled(self, matrices, times, frames, Moves(self.world, matrices, moving, None))
+    labels = labels_of(
+        self,
+        matrices,
+        standard_error=truth.standard_error is not None,
+        time_s=times,
+        first_pose=first_pose if origin is None else origin.first_pose,
+    )
+    data = _labelled(labels, frames, things_of(origin, self, matrices, moves))
     first = "pose" if times is None else "time"
     with_truth: xarray.Dataset = data.assign(truth_variables(truth, (first, "ommatidium")))
     return with_truth
 
 
-def _times(time_s: ArrayLike | None, matrices: Matrices) -> NDArray[np.float64] | None:
-    return None if time_s is None else array_of(time_s, "time_s", (len(matrices),))
-
-
-def _labelled(
-    renderer: Prepared,
-    matrices: Matrices,
-    times: NDArray[np.float64] | None,
-    frames: Frames,
-    moves: Moves,
-    receptors: bool = False,
-) -> xarray.Dataset:
+def _labelled(labels: Labels, frames: Frames, things: Things) -> xarray.Dataset:
     """Frames that were rendered, as labels need poses that the engine has accepted."""
-    labels = labels_of(
-        renderer,
-        matrices,
-        receptors=receptors,
-        standard_error=frames.standard_error is not None,
-        time_s=times,
-    )
     values = {
         "response": frames.responses, "standard_error": frames.standard_error, "rays": frames.rays
     }  # fmt: skip
     data = dataset_of(labels, values)
-    things = _things(moves, "pose" if times is None else "time")
-    with_things: xarray.Dataset = data.assign(things) if things else data
-    return with_things
-
-
-def _things(moves: Moves, first: str) -> Variables:
-    """Where things were that transforms have moved; nothing where none have."""
-    names, indices, matrices = moves.things()
+    names, indices, matrices = things
     if not names:
-        return {}
+        return data
+    first = labels.variables["response"][0][0]
     about = {"long_name": "where each thing that was moved is in the world; lengths in m"}
-    return {
+    moved: Variables = {
         "thing": (("thing",), np.array(names, dtype=np.str_), {}),
         "instance_index": (("thing",), indices, {"long_name": "of the thing among all"}),
         "world_from_thing": ((first, "thing", "row", "column"), matrices, about),
     }
+    with_things: xarray.Dataset = data.assign(moved)
+    return with_things
 
 
 def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:

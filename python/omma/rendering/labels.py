@@ -65,9 +65,11 @@ def labels_of(
     with_cameras: bool = False,
     time_s: NDArray[np.float64] | None = None,
     more: dict[str, Any] | None = None,
+    first_pose: int | None = None,
 ) -> Labels:
     """Labels of what a renderer makes of poses (P, 4, 4), ``with_cameras`` also of how near cameras
-    of the capture were; ``more`` attributes come last."""
+    of the capture were; ``first_pose`` is the number of the first frame, told where noise is
+    new in every frame; ``more`` attributes come last."""
     first = "pose" if time_s is None else "time"
     light = renderer.world.light
     coordinates: Variables = {}
@@ -100,7 +102,10 @@ def labels_of(
         name: len(values) for name, (along, values, _) in coordinates.items() if along == (name,)
     }
     sizes[first] = len(matrices)
-    return Labels(coordinates, _attributes(renderer) | (more or {}), variables, sizes)
+    attributes = _attributes(renderer)
+    if first_pose is not None and not renderer.settings.is_noise_frozen:
+        attributes["first_pose"] = first_pose
+    return Labels(coordinates, attributes | (more or {}), variables, sizes)
 
 
 def camera_variables(first: str) -> dict[str, tuple[tuple[str, ...], str, dict[str, Any]]]:

@@ -40,6 +40,8 @@ _MOST_NAMES = 5
 MOST_UNSEEN = 31
 
 F = TypeVar("F", bound=Callable[..., Any])
+# Things that are moved: names, indices (K,) in `World.instances`, and where they are, (P, K, 4, 4).
+Things = tuple[list[str], NDArray[np.int32], NDArray[np.float64]]
 EngineMoves = tuple[
     NDArray[np.int32],
     NDArray[np.float64],
@@ -225,7 +227,12 @@ class Moves:
         assert self._times is not None
         return velocities_from_poses(self._poses, self._times)
 
-    def things(self) -> tuple[list[str], NDArray[np.int32], NDArray[np.float64]]:
+    @property
+    def times_s(self) -> NDArray[np.float64] | None:
+        """(P,), when each pose is, where that is known."""
+        return self._times
+
+    def things(self) -> Things:
         """What ``transforms`` move: names, indices (K,) in `World.instances`, and where they are,
         (P, K, 4, 4)."""
         instances = self._world.instances if len(self._instances) else ()

@@ -19,6 +19,7 @@ from omma.base.arguments import checked, expect, or_its_eye
 from omma.base.notebook import html_table, without_folder
 from omma.base.progress import Progress
 from omma.base.renamed import renamed_arguments
+from omma.rendering.call import FrameCount
 from omma.rendering.color_gradients import background_vjp, color_jacobian
 from omma.rendering.dataset import dataset
 from omma.rendering.frames import render, render_rays, render_stokes
@@ -126,6 +127,7 @@ class Renderer:
             scene = scene.with_background(background)
         self._world = scene
         self._engine = _core.Renderer(scene._engine, eye, for_engine)
+        self._frames = FrameCount()
         self._asked_threads = threads
         self._receptors: tuple[ReceptorViews, Renderer] | None = None
 
@@ -152,6 +154,7 @@ class Renderer:
         other._settings = replace(self._settings, sampling=chosen, **options)
         for_engine = other._settings.engine_settings(self.threads)
         other._engine = _core.Renderer(self._engine, _one_eye(eye), for_engine)
+        other._frames = FrameCount()
         other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
         other._receptors = None
         return other
@@ -170,6 +173,7 @@ class Renderer:
         vars(other).update(vars(self))
         other._world = world
         other._engine = _core.Renderer(self._engine, world._engine)
+        other._frames = FrameCount()
         other._build_times = {"scene_s": 0.0, "acceleration_s": 0.0}
         other._receptors = None
         return other

@@ -264,6 +264,11 @@ class Settings:
             found["impulse_response"] = self.impulse_response
         return cast(Options, found)
 
+    @property
+    def is_noise_frozen(self) -> bool:
+        """Whether all frames have the same noise; that of shared rays always is frozen."""
+        return self.noise == "frozen" or isinstance(self.sampling, Shared)
+
     def engine_settings(self, threads: int, eye_sizes: Sequence[int] = ()) -> RenderSettings:
         """As the engine takes them; ``eye_sizes`` are those of a population."""
         sampling = self.sampling

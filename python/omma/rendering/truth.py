@@ -21,6 +21,7 @@ from omma.rendering.call import Call, Poses, Prepared
 from omma.rendering.labels import Variables, camera_variables
 from omma.rendering.moves import Moves, MovesOptions, renderer_method
 from omma.rendering.settings import Shared, ToError
+from omma.rendering.truth_origin import Origin
 from omma.scene.capture_cameras import CaptureCameras
 from omma.scene.world import World
 
@@ -160,7 +161,7 @@ def ground_truth(
     if self.settings.impulse_response is not None:
         raise Error("ground_truth: expected a renderer without an impulse response, found one with")
     rendered = progress if capture_cameras is None else share_of(progress, 0, _RENDERED)
-    call = Call.of(self, poses, moves, first_pose, rendered)
+    call = Call.of(self, poses, moves, first_pose, rendered).numbered()
     to_error = isinstance(sampling, ToError)
     frames = call.new_frames(standard_error=standard_error or to_error, rays=to_error)
     found: dict[str, Any] = {
@@ -196,8 +197,9 @@ def ground_truth(
             progress=share_of(progress, _RENDERED, 1),
         )
     truth = GroundTruth(**found, names=names, world_from_head=call.poses.copy(), eye=self.eye)
-    # No field: it is no value, and is not kept alive.
+    # No fields: they are no values, and the world is not kept alive.
     object.__setattr__(truth, "_world", weakref.ref(self.world))
+    object.__setattr__(truth, "_origin", Origin.of(call))
     return truth
 
 

@@ -1,0 +1,114 @@
+"""What ground truth was made with, and whether that is what a data set is to say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omma._core import Error
+from omma.base.arguments import array_of
+from omma.base.poses import Matrices
+from omma.rendering.call import Call, Prepared
+from omma.rendering.moves import Moves, MovesOptions, Things
+from omma.rendering.settings import Settings, frame_number, settings_as_record
+
+if TYPE_CHECKING:
+    from omma.rendering.truth import GroundTruth
+
+# Of the numbers of a pose: as far as single precision rounds them, two are the same.
+_ROUNDED = 2.0**-23
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What ground truth was rendered with, besides its poses, its eye and its world."""
+
+    settings: Settings
+    first_pose: int | None
+    """Number of the first pose's frame; None where noise is frozen and none was given."""
+    times_s: NDArray[np.float64] | None
+    things: Things
+
+    @classmethod
+    def of(cls, call: Call) -> Origin:
+        """Of a call that was rendered."""
+        names, indices, transforms = call.moves.things()
+        things = names, indices.copy(), transforms.copy()
+        times = call.moves.times_s
+        copied = None if times is None else times.copy()
+        return cls(call.renderer.settings, call.first_frame, copied, things)
+
+
+def origin_of(truth: GroundTruth) -> Origin | None:
+    """None where it was made by hand or pickled."""
+    found: Origin | None = vars(truth).get("_origin")
+    return found
+
+
+def check_origin(origin: Origin, renderer: Prepared, first_pose: int | None) -> None:
+    """omma.Error where ground truth was rendered with other settings or as other frames."""
+    here, there = (settings_as_record(one) for one in (renderer.settings, origin.settings))
+    for name in here | there:
+        if here.get(name) != there.get(name):
+            raise Error(
+                f"truth: expected that of a renderer with this one's settings, {name} "
+                f"{here.get(name)}, found {there.get(name)}"
+            )
+    number = frame_number(first_pose)
+    is_frozen = renderer.settings.is_noise_frozen
+    if not is_frozen and number is not None and number != origin.first_pose:
+        raise Error(
+            f"first_pose: expected {origin.first_pose}, as of truth, or None, found {number}"
+        )
+
+
+def things_of(
+    origin: Origin | None, renderer: Prepared, matrices: Matrices, moves: MovesOptions
+) -> Things:
+    """Where things were that were moved: as ground truth has it, and else as the caller says;
+    omma.Error where they do not agree."""
+    given: MovesOptions = {
+        "instances": moves.get("instances"), "transforms": moves.get("transforms")
+    }  # fmt: skip
+    told = Moves(renderer.world, matrices, given, None).things()
+    if origin is None:
+        return told
+    if moves.get("instances") is None:
+        return origin.things
+    _, indices, transforms = told
+    names, known, moved = origin.things
+    if set(indices.tolist()) != set(known.tolist()):
+        raise Error(f"instances: expected {names}, which truth has moved, found {told[0]}")
+    order = [known.tolist().index(index) for index in indices.tolist()]
+    near = np.isclose(moved[:, order], transforms, rtol=_ROUNDED, atol=_ROUNDED)
+    other = np.argwhere(~near.all(axis=(2, 3)))
+    if len(other) > 0:
+        pose, thing = other[0].tolist()
+        raise Error(
+            f"transforms: expected those of truth, found others: of '{told[0][thing]}' at pose "
+            f"{pose}"
+        )
+    return told
+
+
+def times_of(
+    origin: Origin | None, given: ArrayLike | None, count: int
+) -> NDArray[np.float64] | None:
+    """When each of so many poses is, s: as the caller says, and else as ground truth was rendered;
+    omma.Error where they do not agree.
+    """
+    known = None if origin is None else origin.times_s
+    if given is None:
+        return known
+    times: NDArray[np.float64] = array_of(given, "time_s", (count,), finite=True)
+    if known is not None:
+        other = np.flatnonzero(~np.isclose(times, known, rtol=_ROUNDED, atol=0))
+        if len(other) > 0:
+            raise Error(
+                f"time_s: expected the times of truth, found others: pose {other[0]} at "
+                f"{times[other[0]]:g} s here, {known[other[0]]:g} s there"
+            )
+    return times
