@@ -15,10 +15,11 @@ from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import as_named
 from omma.base.arrays import Floats
+from omma.base.files import PathLike
 from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
 from omma.base.progress import Stage
 from omma.eye.files import load_head
-from omma.job.outputs import output_names
+from omma.job.outputs import check_series, output_names
 from omma.job.render_job import RenderJob
 from omma.motion.tracks import Track, load_track
 from omma.motion.walking import walk_on
@@ -87,9 +88,7 @@ class View:
 def begin(job: RenderJob, tell: Stage) -> Begun:
     """Check what can be checked without an eye, and read the scene."""
     is_captured = job.capture_cameras is not None
-    names = output_names(
-        job.outputs, job.standard_error, job.resume, [job.path, *_capture_files(job)], is_captured
-    )
+    names = output_names(job.outputs, job.standard_error, job.resume, input_files(job), is_captured)
     start = time.perf_counter()
     tell(READING, None)
     with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
@@ -133,11 +132,17 @@ def view_of(begun: Begun) -> View:
             f"{head.path or 'eye'}: expected receptors, found none (.csv eyes can have them, "
             "omma.receptors.assign_receptors makes them)"
         )
-    return View(head, files, *_poses(begun))
+    view = View(head, files, *_poses(begun))
+    check_series(begun.names, len(view.poses), [*input_files(job), *files])
+    return view
 
 
-def _capture_files(job: RenderJob) -> list[str]:
-    return [] if job.capture_cameras is None else capture_files(job.capture_cameras)
+def input_files(job: RenderJob) -> list[PathLike]:
+    """All files that a job says are to be read."""
+    files = [job.scene, *job.eye_files, *([] if job.path is None else [job.path])]
+    if isinstance(job.background, str) and Path(job.background).exists():
+        files.append(job.background)
+    return files + ([] if job.capture_cameras is None else capture_files(job.capture_cameras))
 
 
 def _cameras(job: RenderJob) -> CaptureCameras | None:

@@ -19,7 +19,7 @@ from omma.base.arrays import Floats
 from omma.base.files import PathLike, WholeFiles, left_behind, make_parent
 from omma.base.progress import Stage
 from omma.base.renamed import renamed_arguments
-from omma.job.begun import Begun, View, begin, view_of
+from omma.job.begun import Begun, View, begin, input_files, view_of
 from omma.job.camera_picture import render_picture
 from omma.job.outputs import writers_of
 from omma.job.pieces import (
@@ -40,7 +40,6 @@ from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Sampling, Settings, Shared, ToError, takes_options
 from omma.scene.building import BUILDING
-from omma.scene.capture_cameras import capture_files
 from omma.scene.light_words import warnings_of
 
 if TYPE_CHECKING:
@@ -267,10 +266,7 @@ def _tell_of_sharing(job: RenderJob, renderer: Renderer, warnings: list[str]) ->
 def _kept(begun: Begun, view: View, renderer: Renderer) -> KeptRender:
     """What is left of a render of the same inputs that was cut off."""
     job = begun.job
-    read = [job.scene, *view.files, *([] if job.path is None else [job.path])]
-    read += [] if job.capture_cameras is None else capture_files(job.capture_cameras)
-    if isinstance(job.background, str) and Path(job.background).exists():
-        read.append(job.background)
+    read = [*input_files(job), *view.files]
     inputs = inputs_of(job.settings, job.recorded(), read, begun.names, renderer.backend)
     return KeptRender(begun.names, inputs)
 
