@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from omma._core import Background, Camera, Error, Eye
 from omma.base.addresses import expect_local
-from omma.base.arguments import checked
+from omma.base.arguments import checked, positive
 from omma.base.files import (
     PathLike,
     WholeFiles,
@@ -111,6 +111,7 @@ def render_all_cameras(
             found too; nothing is rendered then.
     """
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
+    positive(gamma, "gamma")
     rays, seed = fixed_samples(sampling, "pictures"), Settings(sampling, **options).seed
     start = time.perf_counter()
     tell(READING, None)

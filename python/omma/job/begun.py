@@ -16,7 +16,7 @@ from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import as_named
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
-from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
+from omma.base.poses import Matrices, as_poses, load_timed_poses, poses_from_angles
 from omma.base.progress import Stage
 from omma.eye.files import load_head
 from omma.job.outputs import check_series, output_names
@@ -209,6 +209,9 @@ def _poses(begun: Begun) -> tuple[Matrices, str, Floats | None]:
         track = load_track(job.path, lost=job.lost)
         text = f"track {os.fsdecode(job.path)}"
         return _walked(begun, track, job.on_ground), text, track.times_s
+    if job.path is not None:
+        matrices, times_s = load_timed_poses(job.path)
+        return matrices, f"path {os.fsdecode(job.path)}", times_s
     return *_untimed(begun), None
 
 
@@ -220,8 +223,6 @@ def _untimed(begun: Begun) -> tuple[Matrices, str]:
         if not np.isfinite(matrices).all():
             raise Error("poses: expected finite numbers")
         return matrices, "poses that were given"
-    if job.path is not None:
-        return load_poses(job.path), f"path {os.fsdecode(job.path)}"
     if job.position is not None and job.look_at is not None:
         return _core.look_at(job.position, job.look_at)[None], "position, looking at a point"
     if job.position is not None:

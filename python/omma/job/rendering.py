@@ -69,8 +69,8 @@ def render_file(
             `.npy` with a `.json` beside it, which say what the numbers are and are read by
             `omma.rendering.load_responses` (docs/datasets.md); `.csv` as `save_responses`
             writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
-            the pose); `.mp4` a video with a frame for each pose, 30 a second (a path has no
-            times). Of another camera: `.npy`, float32 (height, width, 3) as
+            the pose); `.mp4` a video with a frame for each pose, 30 a second, whatever times a
+            path has. Of another camera: `.npy`, float32 (height, width, 3) as
             `render_camera` gives it, and `.png`. Missing directories are made.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
@@ -81,10 +81,10 @@ def render_file(
             or ``poses`` and no ``eyes`` it is the camera's own eye, in its scale, that is there.
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
             ``look_at`` it looks along -Z.
-        path: instead, a CSV file of poses, see `load_poses`.
+        path: instead, a CSV file of poses, see `load_poses`. Where it has times, ``t_s``, the first
+            dimension of what says its numbers is ``time``, s, not ``pose``.
         on_ground: of a head that walks: its height above the ground, m. ``path`` is then a track,
-            see `omma.motion.load_track` and `omma.motion.walk_on`. Where that has times, ``t_s``,
-            the first dimension of what says its numbers is ``time``, s, not ``pose``.
+            see `omma.motion.load_track` and `omma.motion.walk_on`; it may have times too.
         ground: with it, a name or names of instances that are ground; none: everything is.
         lost: with it, what becomes of positions that lack a number, as of `omma.motion.load_track`.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
