@@ -8,6 +8,7 @@ import pytest
 from conftest import write_gltf
 
 import omma
+from omma.job.begun import _looking
 from omma.job.pieces import render_pieces
 from omma.picture.files import on_threads
 from omma.rendering.response_files import Piece
@@ -200,3 +201,11 @@ def test_times_of_a_path_are_kept(columns, tmp_path, monkeypatch):
     (tmp_path / "still.csv").write_text(f"t_s,{columns}\n0.1,0,1,0{rest}\n0.1,1,1,0{rest}\n")
     with pytest.raises(omma.Error, match=r"still\.csv, line 3: expected times that grow"):
         omma.load_poses("still.csv")
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_head_looks_straight_up_and_down(side):
+    at, pitched = (0, 1, -2), omma.poses_from_angles((0, 1, -2), (0, 90 * side, 0))
+    np.testing.assert_allclose(_looking(at, (0, 1 + 2 * side, -2)), pitched, atol=1e-12)
+    # What is near it goes over into it: between them the pitch differs by 1e-4 rad.
+    np.testing.assert_allclose(_looking(at, (0, 1 + 2 * side, -2.0002)), pitched, atol=2e-4)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
@@ -215,6 +216,18 @@ def _poses(begun: Begun) -> tuple[Matrices, str, Floats | None]:
     return *_untimed(begun), None
 
 
+def _looking(position_m: ArrayLike, target_m: ArrayLike) -> Matrices:
+    """(1, 4, 4), upright; straight up or down as of a head that has lifted or lowered its view from
+    along -Z."""
+    try:
+        return _core.look_at(position_m, target_m)[None]
+    except Error as problem:
+        if "along the view" not in str(problem):
+            raise
+    side = np.sign(np.subtract(target_m, position_m)[1])
+    return poses_from_angles(position_m, (0, 90 * side, 0))
+
+
 def _untimed(begun: Begun) -> tuple[Matrices, str]:
     """Poses of which nothing says when they are."""
     job, camera = begun.job, begun.camera
@@ -224,7 +237,7 @@ def _untimed(begun: Begun) -> tuple[Matrices, str]:
             raise Error("poses: expected finite numbers")
         return matrices, "poses that were given"
     if job.position is not None and job.look_at is not None:
-        return _core.look_at(job.position, job.look_at)[None], "position, looking at a point"
+        return _looking(job.position, job.look_at), "position, looking at a point"
     if job.position is not None:
         return poses_from_angles(job.position, (0, 0, 0)), "position, looking along -Z"
     if camera is not None:

@@ -80,7 +80,8 @@ def render_file(
             head is at; its whole transform is the pose, its scale too. With ``position``, ``path``
             or ``poses`` and no ``eyes`` it is the camera's own eye, in its scale, that is there.
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
-            ``look_at`` it looks along -Z.
+            ``look_at`` it looks along -Z. Straight up or down it is as if it had lifted or lowered
+            its view from along -Z: looking down, its upper side is towards -Z.
         path: instead, a CSV file of poses, see `load_poses`. Where it has times, ``t_s``, the first
             dimension of what says its numbers is ``time``, s, not ``pose``.
         on_ground: of a head that walks: its height above the ground, m. ``path`` is then a track,
