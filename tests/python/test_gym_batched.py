@@ -235,6 +235,15 @@ def test_states_that_change_their_structure(walker):
         envs.step(np.zeros((3, 2), np.float32))
 
 
+@pytest.mark.parametrize(("actions", "found"), [(np.zeros((2, 1)), "2"), (0.5, "0.5")])
+def test_actions_of_other_numbers_of_environments(actions, found):
+    from omma.gym.environments import _one_each
+
+    space = gymnasium.vector.utils.batch_space(SPACE, 3)
+    with pytest.raises(omma.Error, match=f"^actions: expected 3, found {found}$"):
+        _one_each(space, actions, 3)
+
+
 def test_loops_that_cannot_be(walker):
     with pytest.raises(TypeError, match="batched: expected True or False"):
         loop_of(walker, batched=3)

@@ -8,6 +8,7 @@ import pytest
 from conftest import write_gltf
 
 import omma
+from omma.job.begun import _looking
 from omma.job.pieces import render_pieces
 from omma.picture.files import on_threads
 from omma.rendering.response_files import Piece
@@ -177,3 +178,34 @@ def test_the_parts_of_the_time_are_named(tmp_path, command):
         tmp_path / "scene.gltf", tmp_path / "o.npy", eyes=tmp_path / "e.csv", position=(0, 1, 0)
     )
     assert report.writing_seconds > 0
+
+
+@pytest.mark.parametrize("wrong", [{"gamma": 0}, {"width": 0}, {"height": -1}])
+def test_what_is_wrong_in_options_is_told_before_anything_is_read(wrong):
+    (name,) = wrong
+    with pytest.raises(omma.Error, match=f"^{name}: expected"):
+        omma.render_file("there is none.gltf", "x.png", **wrong)
+
+
+@pytest.mark.parametrize("columns", ["x,y,z,yaw_deg,pitch_deg,roll_deg", "x,y,z,qx,qy,qz,qw"])
+def test_times_of_a_path_are_kept(columns, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_gltf("scene.gltf")
+    omma.save_eye("e.csv", omma.eye.generate_eye(12))
+    rest = ",0,0,0" + ",1" * columns.endswith("qw")
+    (tmp_path / "p.csv").write_text(f"t_s,{columns}\n0.5,0,1,0{rest}\n0.75,1,1,0{rest}\n")
+    omma.render_file("scene.gltf", "r.npy", omma.Fixed(1), eyes="e.csv", path="p.csv")
+    data = omma.rendering.load_responses("r.npy")
+    assert data.response.dims[0] == "time"
+    np.testing.assert_array_equal(data.time, [0.5, 0.75])
+    (tmp_path / "still.csv").write_text(f"t_s,{columns}\n0.1,0,1,0{rest}\n0.1,1,1,0{rest}\n")
+    with pytest.raises(omma.Error, match=r"still\.csv, line 3: expected times that grow"):
+        omma.load_poses("still.csv")
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_head_looks_straight_up_and_down(side):
+    at, pitched = (0, 1, -2), omma.poses_from_angles((0, 1, -2), (0, 90 * side, 0))
+    np.testing.assert_allclose(_looking(at, (0, 1 + 2 * side, -2)), pitched, atol=1e-12)
+    # What is near it goes over into it: between them the pitch differs by 1e-4 rad.
+    np.testing.assert_allclose(_looking(at, (0, 1 + 2 * side, -2.0002)), pitched, atol=2e-4)

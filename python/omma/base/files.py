@@ -218,6 +218,26 @@ def check_target(name: str) -> None:
         _core.check_target(name)
 
 
+def check_kept(written: Iterable[PathLike], read: Iterable[PathLike]) -> None:
+    """omma.Error where a file to write is there twice, or is one of those that are read or that a
+    glTF file among them names, by whatever name or link."""
+    places: dict[str, str] = {}
+    for name in map(local_path, written):
+        place = name if is_address(name) else os.path.realpath(name)
+        if place in places:
+            raise Error(f"{name}: is an output twice")
+        places[place] = name
+    # What is not there yet is not read either; scenes are only looked into where it matters.
+    there = {place: name for place, name in places.items() if _exists(place)}
+    if not there:
+        return
+    inputs = [local_path(name) for name in read]
+    for source in [*inputs, *(file for name in inputs for file in _named_by(name))]:
+        for place, name in there.items():
+            if _exists(source) and os.path.samefile(source, place):
+                raise Error(f"{name}: would replace what it is made from")
+
+
 def check_ending(path: PathLike, *endings: str) -> None:
     """omma.Error where a name ends in none of these, which say the format."""
     name = os.fsdecode(path)
@@ -273,6 +293,37 @@ def make_directory(directory: Path) -> None:
         raise Error(f"{directory}: cannot be made: {error.strerror}") from None
 
 
+def _exists(name: str) -> bool:
+    return not is_address(name) and len(name) > 0 and "\0" not in name and os.path.exists(name)
+
+
+def _named_by(name: str) -> list[str]:
+    """Files that a glTF file names, none where it is none: who reads it says what is wrong."""
+    if Path(name).suffix.lower() not in (".gltf", ".glb") or not os.path.isfile(name):
+        return []
+    try:
+        return list(_files_in(name, _core.read_file(name)))
+    except Error:
+        return []
+
+
+def _files_in(name: str, data: bytes) -> Iterator[str]:
+    """The files that are there, of those that a glTF file of these bytes names."""
+    binary = data[:4] == b"glTF"
+    # Of a .glb the first chunk is the JSON text.
+    text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
+    # URIs of all kinds: buffers, images, eyes, extensions.
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError):
+        raise Error(f"{name}: is not a glTF file: its JSON is malformed") from None
+    for other in sorted(set(_texts(document))):
+        for beside in {other, unquote(other)}:
+            file = os.path.join(os.path.dirname(name), beside)
+            if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):
+                yield file
+
+
 def digests_of(path: PathLike) -> dict[str, str]:
     """SHA-256 of a file, and of every file that a glTF file names."""
     name = os.fsdecode(path)
@@ -280,18 +331,8 @@ def digests_of(path: PathLike) -> dict[str, str]:
     digests = {name: hashlib.sha256(data).hexdigest()}
     if Path(name).suffix.lower() in (".gltf", ".glb"):
         # Of a .glb the first chunk is the JSON text.
-        binary = data[:4] == b"glTF"
-        text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
-        # URIs of all kinds: buffers, images, eyes, extensions.
-        try:
-            document = json.loads(text)
-        except (ValueError, RecursionError):
-            raise Error(f"{name}: is not a glTF file: its JSON is malformed") from None
-        for other in sorted(set(_texts(document))):
-            for beside in {other, unquote(other)}:
-                file = os.path.join(os.path.dirname(name), beside)
-                if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):
-                    digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
+        for file in _files_in(name, data):
+            digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
     return digests
 
 

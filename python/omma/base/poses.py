@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Camera, Error
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 from omma.base.dlpack import as_numpy
-from omma.base.tables import read_table
+from omma.base.tables import check_growing, read_table
 from omma.base.warn import warn_caller
 
 Matrices = NDArray[np.float64]
@@ -172,7 +173,8 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
 
     The first line names the columns: either ``x,y,z,qx,qy,qz,qw`` (quaternion, see
     `poses_from_quaternions`) or ``x,y,z,yaw_deg,pitch_deg,roll_deg`` (see `poses_from_angles`);
-    x, y, z are the head's position in metres in the scene's frame. Empty lines, and what follows a
+    x, y, z are the head's position in metres in the scene's frame. Times in seconds, ``t_s``, that
+    grow may be a column too; `omma.render_file` keeps them. Empty lines, and what follows a
     ``#``, are passed over.
 
     Example:
@@ -182,14 +184,25 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
     Raises:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
     """
-    columns, table, lines = read_table(path, (QUATERNION_COLUMNS, ANGLE_COLUMNS), "pose")
+    return load_timed_poses(path)[0]
+
+
+def load_timed_poses(path: str | os.PathLike[str]) -> tuple[Matrices, Floats | None]:
+    """As `load_poses`, and when they are (P,), s, where the file has ``t_s``."""
+    plain = (QUATERNION_COLUMNS, ANGLE_COLUMNS)
+    headers = [*plain, *(("t_s", *columns) for columns in plain)]
+    columns, table, lines = read_table(path, headers, "pose")
+    times_s = None
+    if columns[0] == "t_s":
+        times_s, table, columns = table[:, 0], table[:, 1:], columns[1:]
+        check_growing(os.fsdecode(path), times_s, lines)
     if columns == QUATERNION_COLUMNS:
         nowhere = np.flatnonzero(~table[:, 3:].any(axis=1))
         if len(nowhere):
             line = lines[nowhere[0]]
             raise Error(f"{os.fsdecode(path)}, line {line}: the quaternion has length 0")
-        return poses_from_quaternions(table[:, :3], table[:, 3:])
-    return poses_from_angles(table[:, :3], table[:, 3:])
+        return poses_from_quaternions(table[:, :3], table[:, 3:]), times_s
+    return poses_from_angles(table[:, :3], table[:, 3:]), times_s
 
 
 def as_poses(poses: Any, first: int = 0) -> Matrices:

@@ -14,6 +14,7 @@ from itertools import repeat
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arrays import Floats
@@ -105,6 +106,17 @@ def read_table(
         raise Error(f"{name}: holds no {row}")
     order = [columns.index(one) for one in header]
     return header, np.array(numbers).reshape(-1, len(columns))[:, order], lines
+
+
+def check_growing(name: str, times_s: Floats, lines: Sequence[int] | NDArray[np.int64]) -> None:
+    """omma.Error where times (P,), s, in lines of a table do not grow; it names the line."""
+    wrong = np.flatnonzero(np.diff(times_s) <= 0)
+    if len(wrong) > 0:
+        row = int(wrong[0]) + 1
+        raise Error(
+            f"{name}, line {lines[row]}: expected times that grow, found t_s {times_s[row]:.10g} "
+            f"after {times_s[row - 1]:.10g} in line {lines[row - 1]}"
+        )
 
 
 def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[Floats, ...]:

@@ -10,6 +10,8 @@ from typing import Any
 import typer
 import typer.core
 
+from omma.cli.parameters import keeping_inputs
+
 # A word of a command, or several in quotes.
 _WORD = re.compile(r"(?:'[^']*'|[^\s'])+")
 # Names that are longer have a line of their own.
@@ -23,8 +25,14 @@ class App(typer.Typer):
         super().__init__(cls=cls or Group, add_completion=False, rich_markup_mode=None, **given)
 
     def command(self, name: str | None = None, **given: Any) -> Callable[[Any], Any]:
-        """As of typer."""
-        return super().command(name, **{"cls": Command, **given})
+        """As of typer, but the command does not write over what it reads."""
+        register = super().command(name, **{"cls": Command, **given})
+
+        def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+            register(keeping_inputs(function))
+            return function
+
+        return decorate
 
 
 class Command(typer.core.TyperCommand):

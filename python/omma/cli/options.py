@@ -90,7 +90,12 @@ EyeUnitOption = Annotated[
 
 LookAtOption = Annotated[
     tuple[float, float, float] | None,
-    option("Point that the head looks at. Default: along -Z.", "X Y Z", name="--look-at"),
+    option(
+        "Point that the head looks at; straight below, its upper side is towards -Z. Default: "
+        "along -Z.",
+        "X Y Z",
+        name="--look-at",
+    ),
 ]
 PathOption = Annotated[Path | None, option("CSV file of poses, one a line.", "CSV")]
 OnGroundOption = Annotated[

@@ -3,8 +3,11 @@ value."""
 
 from __future__ import annotations
 
+import functools
+import inspect
 from collections.abc import Callable
-from typing import Any
+from pathlib import Path
+from typing import Any, get_args
 
 import typer
 
@@ -32,3 +35,37 @@ def switch(name: str, told: str) -> Any:
 def out(told: str, metavar: str = "OUT", callback: Callback | None = None) -> Any:
     """The option ``-o``, ``--output``."""
     return typer.Option("-o", "--output", help=told, metavar=metavar, callback=callback)
+
+
+def keeping_inputs(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The same command, which ends with omma.Error where it is to write a file that it reads."""
+    parameters = inspect.signature(command, eval_str=True).parameters.values()
+    outputs = {one.name for one in parameters if _is_output(one.annotation)}
+    if not outputs:
+        return command
+
+    @functools.wraps(command)
+    def checked(**given: Any) -> Any:
+        # Here, as it needs NumPy, which help does not.
+        from omma.base.files import check_kept
+
+        written: list[str] = []
+        read: list[Path] = []
+        for name, value in given.items():
+            several = value if isinstance(value, (list, tuple)) else [value]
+            if name in outputs:
+                written += [str(one) for one in several if one is not None]
+            else:
+                read += [one for one in several if isinstance(one, Path)]
+        check_kept(written, read)
+        return command(**given)
+
+    return checked
+
+
+def _is_output(annotation: Any) -> bool:
+    """Whether a parameter names a file or folder to write."""
+    return any(
+        getattr(one, "metavar", None) == "OUT" or "-o" in (getattr(one, "param_decls", None) or ())
+        for one in get_args(annotation)[1:]
+    )

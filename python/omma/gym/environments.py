@@ -99,6 +99,17 @@ class EyeEnv(gymnasium.Env[Responses, Any]):
         return observations[0], {"pose": where[0][0]}
 
 
+def _one_each(space: Any, actions: Any, count: int) -> list[Any]:
+    """The actions of each environment, of a space of actions of all."""
+    try:
+        each = list(iterate(space, actions))
+    except TypeError:
+        raise Error(f"actions: expected {count}, found {actions!r:.40}") from None
+    if len(each) != count:
+        raise Error(f"actions: expected {count}, found {len(each)}")
+    return each
+
+
 class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
     """Many environments of a loop as one; `eye_vector_env` makes it."""
 
@@ -134,7 +145,8 @@ class EyeVectorEnv(VectorEnv[Responses, Any, Any]):
         starts anew, for a reward of 0."""
         if not self._rngs:
             raise Error("step: expected reset() before it")
-        each = actions if self.loop.batched else iterate(self.action_space, actions)
+        count, batched = self.num_envs, self.loop.batched
+        each = actions if batched else _one_each(self.action_space, actions, count)
         observations, infos = self._seen(self._episodes.advance(each, self._over, self._rngs))
         rewards, ended, cut_off = self._episodes.judged()
         self._over = ended | cut_off

@@ -11,7 +11,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
 from omma.base.backend_names import without_ordinals
-from omma.base.files import PathLike, digests_of, reading
+from omma.base.files import PathLike, check_kept, digests_of, reading
 from omma.base.progress import Stage
 from omma.base.said import (
     Said,
@@ -26,6 +26,7 @@ from omma.eye.files import load_head
 from omma.job.render_job import RenderJob
 from omma.job.rendering import run_job
 from omma.job.reports import RenderReport
+from omma.rendering.label_texts import beside
 from omma.rendering.labels import eye_digest
 from omma.rendering.read_back import load_responses
 from omma.rendering.settings import settings_from_record
@@ -61,6 +62,8 @@ def render_like(
             another now, with both hashes; and as `render_file`.
     """
     name = os.fsdecode(like)
+    several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
+    check_kept(several, [name, beside(name)])
     data = load_responses(like)
     record = dict(data.attrs)
     said = Said(record, name)

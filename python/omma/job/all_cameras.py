@@ -12,8 +12,15 @@ from typing import TYPE_CHECKING
 
 from omma._core import Background, Camera, Error, Eye
 from omma.base.addresses import expect_local
-from omma.base.arguments import checked
-from omma.base.files import PathLike, WholeFiles, check_target, left_behind, make_directory
+from omma.base.arguments import checked, positive
+from omma.base.files import (
+    PathLike,
+    WholeFiles,
+    check_kept,
+    check_target,
+    left_behind,
+    make_directory,
+)
 from omma.base.progress import Progress, Stage
 from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
@@ -104,6 +111,7 @@ def render_all_cameras(
             found too; nothing is rendered then.
     """
     tell: Stage = progress if progress is not None else lambda stage, fraction: None
+    positive(gamma, "gamma")
     rays, seed = fixed_samples(sampling, "pictures"), Settings(sampling, **options).seed
     start = time.perf_counter()
     tell(READING, None)
@@ -143,6 +151,8 @@ def render_all_cameras(
     target = Path(expect_local(folder, "a folder of pictures"))
     make_directory(target)
     files = [target / f"{name}.png" for name in file_names([camera.name for camera in cameras])]
+    is_picture = isinstance(background, str) and Path(background).exists()
+    check_kept(files, [scene, *([str(background)] if is_picture else [])])
     for file in files:
         check_target(str(file))
     warnings += left_behind([str(file) for file in files])

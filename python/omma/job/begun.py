@@ -10,15 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
 from omma.base.arguments import as_named
 from omma.base.arrays import Floats
-from omma.base.poses import Matrices, as_poses, load_poses, poses_from_angles
+from omma.base.files import PathLike
+from omma.base.poses import Matrices, as_poses, load_timed_poses, poses_from_angles
 from omma.base.progress import Stage
 from omma.eye.files import load_head
-from omma.job.outputs import output_names
+from omma.job.outputs import check_series, output_names
 from omma.job.render_job import RenderJob
 from omma.motion.tracks import Track, load_track
 from omma.motion.walking import walk_on
@@ -87,9 +89,7 @@ class View:
 def begin(job: RenderJob, tell: Stage) -> Begun:
     """Check what can be checked without an eye, and read the scene."""
     is_captured = job.capture_cameras is not None
-    names = output_names(
-        job.outputs, job.standard_error, job.resume, [job.path, *_capture_files(job)], is_captured
-    )
+    names = output_names(job.outputs, job.standard_error, job.resume, input_files(job), is_captured)
     start = time.perf_counter()
     tell(READING, None)
     with as_named(unit="scene_unit", up="scene_up", voxel_m="scene_voxel_m"):
@@ -133,11 +133,17 @@ def view_of(begun: Begun) -> View:
             f"{head.path or 'eye'}: expected receptors, found none (.csv eyes can have them, "
             "omma.receptors.assign_receptors makes them)"
         )
-    return View(head, files, *_poses(begun))
+    view = View(head, files, *_poses(begun))
+    check_series(begun.names, len(view.poses), [*input_files(job), *files])
+    return view
 
 
-def _capture_files(job: RenderJob) -> list[str]:
-    return [] if job.capture_cameras is None else capture_files(job.capture_cameras)
+def input_files(job: RenderJob) -> list[PathLike]:
+    """All files that a job says are to be read."""
+    files = [job.scene, *job.eye_files, *([] if job.path is None else [job.path])]
+    if isinstance(job.background, str) and Path(job.background).exists():
+        files.append(job.background)
+    return files + ([] if job.capture_cameras is None else capture_files(job.capture_cameras))
 
 
 def _cameras(job: RenderJob) -> CaptureCameras | None:
@@ -204,7 +210,22 @@ def _poses(begun: Begun) -> tuple[Matrices, str, Floats | None]:
         track = load_track(job.path, lost=job.lost)
         text = f"track {os.fsdecode(job.path)}"
         return _walked(begun, track, job.on_ground), text, track.times_s
+    if job.path is not None:
+        matrices, times_s = load_timed_poses(job.path)
+        return matrices, f"path {os.fsdecode(job.path)}", times_s
     return *_untimed(begun), None
+
+
+def _looking(position_m: ArrayLike, target_m: ArrayLike) -> Matrices:
+    """(1, 4, 4), upright; straight up or down as of a head that has lifted or lowered its view from
+    along -Z."""
+    try:
+        return _core.look_at(position_m, target_m)[None]
+    except Error as problem:
+        if "along the view" not in str(problem):
+            raise
+    side = np.sign(np.subtract(target_m, position_m)[1])
+    return poses_from_angles(position_m, (0, 90 * side, 0))
 
 
 def _untimed(begun: Begun) -> tuple[Matrices, str]:
@@ -215,10 +236,8 @@ def _untimed(begun: Begun) -> tuple[Matrices, str]:
         if not np.isfinite(matrices).all():
             raise Error("poses: expected finite numbers")
         return matrices, "poses that were given"
-    if job.path is not None:
-        return load_poses(job.path), f"path {os.fsdecode(job.path)}"
     if job.position is not None and job.look_at is not None:
-        return _core.look_at(job.position, job.look_at)[None], "position, looking at a point"
+        return _looking(job.position, job.look_at), "position, looking at a point"
     if job.position is not None:
         return poses_from_angles(job.position, (0, 0, 0)), "position, looking along -Z"
     if camera is not None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from omma._core import Error, Eye
 from omma.base.addresses import is_address, local_path
-from omma.base.files import PathLike, WholeFiles, check_ending
-from omma.picture.files import Paint, PngWriter
+from omma.base.files import PathLike, WholeFiles, check_ending, check_kept
+from omma.picture.files import Paint, PngWriter, series
 from omma.picture.video import VideoWriter
 from omma.rendering.label_texts import beside, labels_text
 from omma.rendering.labelled_files import NetcdfWriter, ZarrWriter
@@ -34,7 +34,7 @@ def output_names(
     outputs: PathLike | Sequence[PathLike],
     standard_error: bool,
     resume: bool,
-    inputs: Sequence[PathLike | None],
+    inputs: Sequence[PathLike],
     with_cameras: bool = False,
 ) -> list[str]:
     """The names; omma.Error where one will not do, or is that of an input."""
@@ -56,14 +56,23 @@ def output_names(
             )
     beside_each = _variables_beside(standard_error, with_cameras)
     every = [file for name in names for file in (name, *_beside(name, beside_each))]
-    files = [name if is_address(name) else os.path.abspath(name) for name in every]
-    read = [os.path.abspath(os.fsdecode(name)) for name in inputs if name is not None]
-    for i, file in enumerate(files):
-        if file in files[:i]:
-            raise Error(f"{file}: is an output twice")
-        if file in read:
-            raise Error(f"{file}: would replace what it is made from")
+    check_kept(every, inputs)
     return names
+
+
+def check_series(names: Sequence[str], poses: int, inputs: Sequence[PathLike]) -> None:
+    """As of `output_names`, of the pictures that are numbered by pose."""
+    if poses < 2:
+        return
+    files = []
+    for name in names:
+        if Path(name).suffix.lower() != ".png":
+            files.append(name)
+        elif not is_address(name):
+            folder = os.path.dirname(name) or "."
+            there = set(os.listdir(folder)) if os.path.isdir(folder) else set()
+            files += [one for one in series(name, poses) if os.path.basename(one) in there]
+    check_kept(files, inputs)
 
 
 def beside_name(name: str, variable: str) -> str:

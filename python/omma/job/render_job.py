@@ -17,7 +17,7 @@ from typing import Any, TypeVar, get_type_hints
 from numpy.typing import ArrayLike
 
 from omma._core import Background, Error
-from omma.base.arguments import one_of
+from omma.base.arguments import one_of, positive, whole
 from omma.base.files import PathLike
 from omma.base.values import value_class
 from omma.motion.tracks import LOST
@@ -89,6 +89,10 @@ class RenderJob:
             raise Error("ground: goes with on_ground, the height of the head above it")
         if one_of(self.lost, LOST, "lost") != "refuse" and self.on_ground is None:
             raise Error("lost: goes with on_ground, along a track")
+        positive(self.gamma, "gamma")
+        for name in ("width", "height"):
+            if getattr(self, name) is not None:
+                whole(getattr(self, name), name, 1, 1 << 30)
         videos = [one for one in self.several_outputs if os.fsdecode(one).lower().endswith(".mp4")]
         if videos and self.projection is not None and self.projection.endswith("_ids"):
             raise Error(f"projection: a video shows responses, found {self.projection!r}")

@@ -19,7 +19,7 @@ from omma.base.arrays import Floats
 from omma.base.files import PathLike, WholeFiles, left_behind, make_parent
 from omma.base.progress import Stage
 from omma.base.renamed import renamed_arguments
-from omma.job.begun import Begun, View, begin, view_of
+from omma.job.begun import Begun, View, begin, input_files, view_of
 from omma.job.camera_picture import render_picture
 from omma.job.outputs import writers_of
 from omma.job.pieces import (
@@ -40,7 +40,6 @@ from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
 from omma.rendering.settings import Sampling, Settings, Shared, ToError, takes_options
 from omma.scene.building import BUILDING
-from omma.scene.capture_cameras import capture_files
 from omma.scene.light_words import warnings_of
 
 if TYPE_CHECKING:
@@ -70,8 +69,8 @@ def render_file(
             `.npy` with a `.json` beside it, which say what the numbers are and are read by
             `omma.rendering.load_responses` (docs/datasets.md); `.csv` as `save_responses`
             writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
-            the pose); `.mp4` a video with a frame for each pose, 30 a second (a path has no
-            times). Of another camera: `.npy`, float32 (height, width, 3) as
+            the pose); `.mp4` a video with a frame for each pose, 30 a second, whatever times a
+            path has. Of another camera: `.npy`, float32 (height, width, 3) as
             `render_camera` gives it, and `.png`. Missing directories are made.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
@@ -81,11 +80,12 @@ def render_file(
             head is at; its whole transform is the pose, its scale too. With ``position``, ``path``
             or ``poses`` and no ``eyes`` it is the camera's own eye, in its scale, that is there.
         position, look_at: instead, where the head is and the point it looks at, (3,), m; without
-            ``look_at`` it looks along -Z.
-        path: instead, a CSV file of poses, see `load_poses`.
+            ``look_at`` it looks along -Z. Straight up or down it is as if it had lifted or lowered
+            its view from along -Z: looking down, its upper side is towards -Z.
+        path: instead, a CSV file of poses, see `load_poses`. Where it has times, ``t_s``, the first
+            dimension of what says its numbers is ``time``, s, not ``pose``.
         on_ground: of a head that walks: its height above the ground, m. ``path`` is then a track,
-            see `omma.motion.load_track` and `omma.motion.walk_on`. Where that has times, ``t_s``,
-            the first dimension of what says its numbers is ``time``, s, not ``pose``.
+            see `omma.motion.load_track` and `omma.motion.walk_on`; it may have times too.
         ground: with it, a name or names of instances that are ground; none: everything is.
         lost: with it, what becomes of positions that lack a number, as of `omma.motion.load_track`.
         poses: instead, matrices world_from_head (P, 4, 4) or (4, 4), m.
@@ -268,10 +268,7 @@ def _tell_of_sharing(job: RenderJob, renderer: Renderer, warnings: list[str]) ->
 def _kept(begun: Begun, view: View, renderer: Renderer) -> KeptRender:
     """What is left of a render of the same inputs that was cut off."""
     job = begun.job
-    read = [job.scene, *view.files, *([] if job.path is None else [job.path])]
-    read += [] if job.capture_cameras is None else capture_files(job.capture_cameras)
-    if isinstance(job.background, str) and Path(job.background).exists():
-        read.append(job.background)
+    read = [*input_files(job), *view.files]
     inputs = inputs_of(job.settings, job.recorded(), read, begun.names, renderer.backend)
     return KeptRender(begun.names, inputs)
 

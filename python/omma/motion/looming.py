@@ -248,7 +248,8 @@ def looming_cells(
         of, near = np.nonzero(some @ frames[0].T > math.cos(radius) - 1e-6)
         theta, outward, turned = _around(frames[0][near], some[of])
         is_in = (theta > _LEAST_AWAY) & (theta < radius)
-        of, near, outward, turned = (each[is_in] for each in (of, near, outward, turned))
+        of, near = of[is_in], near[is_in]
+        outward, turned = outward[is_in], turned[is_in]
         which = np.rint(turned / (math.pi / 2)).astype(np.int64) % len(ARMS)
         members = np.bincount(len(ARMS) * of + which, minlength=len(ARMS) * len(some))
         stays = members.reshape(-1, len(ARMS)).min(axis=1) >= (_LEAST_OF_AN_ARM if spread else 0)

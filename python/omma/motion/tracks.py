@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.arrays import Floats
-from omma.base.tables import read_table
+from omma.base.tables import check_growing, read_table
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 
@@ -136,7 +136,7 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
         raise Error(f"{name}: holds no position: each line lacks a number")
     times_s = dict(zip(columns, table.T, strict=True)).get("t_s")
     if times_s is not None:
-        _check_growing(name, times_s[known], lines[known])
+        check_growing(name, times_s[known], lines[known])
     if not known.all():
         warn_caller(f"{name}: {_left_out(known, lines, times_s)}", UserWarning)
     of = dict(zip(columns, table[known].T, strict=True))
@@ -167,16 +167,6 @@ def _remedy(headers: Sequence[tuple[str, ...]], columns: tuple[str, ...]) -> str
     if other:
         said.append(f"columns are in seconds, metres and degrees: {', '.join(other)}")
     return "; ".join(said)
-
-
-def _check_growing(name: str, times_s: Floats, lines: NDArray[np.int64]) -> None:
-    wrong = np.flatnonzero(np.diff(times_s) <= 0)
-    if len(wrong) > 0:
-        row = int(wrong[0]) + 1
-        raise Error(
-            f"{name}, line {lines[row]}: expected times that grow, found t_s {times_s[row]:.10g} "
-            f"after {times_s[row - 1]:.10g} in line {lines[row - 1]}"
-        )
 
 
 def _left_out(known: NDArray[np.bool_], lines: NDArray[np.int64], times_s: Floats | None) -> str:

@@ -31,6 +31,17 @@ Made = TypeVar("Made")
 Paint = Callable[[int, NDArray[np.float32]], NDArray[Any]]
 
 
+def series(name: str, poses: int) -> Iterator[str]:
+    """The names of the pictures of so many poses."""
+    return (_name_of(name, pose, poses) for pose in range(poses))
+
+
+def _name_of(name: str, pose: int, poses: int) -> str:
+    stem, suffix = os.path.splitext(name)
+    number = f"_{pose:0{max(4, len(str(poses - 1)))}}" if poses > 1 else ""
+    return f"{stem}{number}{suffix}"
+
+
 class PngWriter:
     """A picture of each pose: ``name`` where there is one, else name_0000.png, name_0001.png, ...
 
@@ -41,15 +52,12 @@ class PngWriter:
 
     def __init__(self, files: WholeFiles, name: str, pose_count: int, paint: Paint) -> None:
         self._files, self._paint = files, paint
-        self._stem, self._suffix = os.path.splitext(name)
-        self._numbered = pose_count > 1
-        self._digits = max(4, len(str(pose_count - 1)))
+        self._name, self._poses = name, pose_count
         check_target(self.name(0))
 
     def name(self, pose: int) -> str:
         """The file that shows a pose."""
-        number = f"_{pose:0{self._digits}}" if self._numbered else ""
-        return f"{self._stem}{number}{self._suffix}"
+        return _name_of(self._name, pose, self._poses)
 
     def write(self, piece: Piece) -> None:
         names = [self.name(piece.first + i) for i in range(len(piece.responses))]

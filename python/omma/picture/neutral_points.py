@@ -102,8 +102,8 @@ def _all_bodies(light: Light) -> list[Body]:
         return both + [("moon", moon.azimuth_deg, moon.elevation_deg)] * is_moonlit(moon)
     if light.sky is None or light.sky.shape[3] == 1 or not light.discs:
         return []
-    azimuth, elevation = azimuth_elevation_deg_of(light.discs[0].direction)
-    return [("", float(azimuth), float(elevation))]
+    towards = azimuth_elevation_deg_of(light.discs[0].direction)
+    return [("", float(towards[0]), float(towards[1]))]
 
 
 def _on_meridian(towards: Floats, body: Body) -> tuple[float, float]:

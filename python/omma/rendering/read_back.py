@@ -178,8 +178,8 @@ def _of_table(name: str) -> xarray.Dataset:
         numbers = np.where(cells == "", "nan", cells).astype(np.float64).reshape(poses, each, -1)
         times = {}
         if TIME_COLUMN in before:
-            column = texts[::each, header.index(TIME_COLUMN)].astype(np.float64)
-            times["time"] = ("time", column, {"units": "s"})
+            times_s = texts[::each, header.index(TIME_COLUMN)].astype(np.float64)
+            times["time"] = ("time", times_s, {"units": "s"})
     except (ValueError, IndexError, OverflowError, ZeroDivisionError, csv.Error, MemoryError):
         raise Error(f"{name}: expected as many whole lines for each pose, in their order") from None
     along = "receptor" if "receptor" in site else "ommatidium"
