@@ -187,10 +187,11 @@ class LedArena(Stimulus):
         instances: list[int],
         progress: Progress | None,
     ) -> NDArray[np.float32]:
-        self._tell_of_seam(times_s)
         settings, (_, of_frame) = renderer.settings, self._different
         assert settings.impulse_response is not None
         assert self.refresh_hz is not None
+        before = times_s[:1] - settings.impulse_response.duration_s
+        self._tell_of_seam(np.append(before, times_s))
         held = Held(
             times_s,
             matrices,
