@@ -21,8 +21,8 @@ from omma.rendering.labels import Labels, Variables, labels_of
 from omma.rendering.moves import MovesOptions, Things, renderer_method
 from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
-from omma.rendering.truth import GroundTruth, check_truth, truth_variables
-from omma.rendering.truth_origin import check_origin, origin_of, things_of, times_of
+from omma.rendering.truth import GroundTruth, check_truth, origin_of, truth_variables
+from omma.rendering.truth_origin import check_origin, things_of, times_of
 from omma.rendering.without_polarisation import tell_without_polarisation
 
 if TYPE_CHECKING:

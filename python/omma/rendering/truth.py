@@ -255,6 +255,12 @@ def truth_variables(truth: GroundTruth, dimensions: tuple[str, str]) -> Variable
     return found
 
 
+def origin_of(truth: GroundTruth) -> Origin | None:
+    """What it was made with; None where it was made by hand or pickled."""
+    found: Origin | None = vars(truth).get("_origin")
+    return found
+
+
 def check_truth(truth: GroundTruth, poses: Matrices, renderer: Prepared) -> None:
     """omma.Error where ground truth is of other poses, another eye, another world or another number
     of bands; what was made without its poses or its eye is known by its shape alone, and so is the

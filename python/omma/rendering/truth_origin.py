@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +13,6 @@ from omma.base.poses import Matrices
 from omma.rendering.call import Call, Prepared
 from omma.rendering.moves import Moves, MovesOptions, Things
 from omma.rendering.settings import Settings, frame_number, settings_as_record
-
-if TYPE_CHECKING:
-    from omma.rendering.truth import GroundTruth
 
 # Of the numbers of a pose: as far as single precision rounds them, two are the same.
 _ROUNDED = 2.0**-23
@@ -40,12 +36,6 @@ class Origin:
         times = call.moves.times_s
         copied = None if times is None else times.copy()
         return cls(call.renderer.settings, call.first_frame, copied, things)
-
-
-def origin_of(truth: GroundTruth) -> Origin | None:
-    """None where it was made by hand or pickled."""
-    found: Origin | None = vars(truth).get("_origin")
-    return found
 
 
 def check_origin(origin: Origin, renderer: Prepared, first_pose: int | None) -> None:
