@@ -644,8 +644,8 @@ def public_calls(folder):
         "Jacobian": (omma.Renderer(scene, bee, omma.Fixed(1)).jacobian(pose, by="axis"), {
             "jvp": ({"axis": np.zeros((24, 3))},), "vjp": (np.zeros((1, 24, 3)),),
         }),
-        "Population": (omma.Population(omma.World(scene), [eye, eye]), {
-            "render": (pose,), "render_receptors": (pose,), "with_eyes": ([eye],),
+        "Population": (omma.Population(omma.World(scene), [bee, bee]), {
+            "render": (pose,), "render_receptors": (pose,), "with_eyes": ([bee],),
         }),
         "Eye": (bee, {"select": (0,), "acceptance": (0,), "take": ([0, 1],)}),
         "Acceptance": (table, {"eval": ([0.1],), "pdf": ([0.1],), "mtf": ([1.0],), "sample": (3,)}),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
-from omma.base.arguments import checked, output_array
+from omma.base.arguments import array_of, checked, output_array
 from omma.base.arrays import Floats, new_floats
 from omma.base.card_arrays import OnCard
 from omma.base.progress import Progress, share_of
@@ -185,7 +185,7 @@ def weights_of(
     elif ultraviolet is not None:
         raise Error("ultraviolet: is for the matrix that is made here; not together with matrix")
     else:
-        weights = np.ascontiguousarray(matrix, np.float64)
+        weights = np.ascontiguousarray(array_of(matrix, "matrix"))
         expected = (len(eye.receptor_types), renderer.bands)
         if weights.shape != expected or not np.all(np.isfinite(weights)):
             raise Error(
