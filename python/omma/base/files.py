@@ -330,7 +330,6 @@ def digests_of(path: PathLike) -> dict[str, str]:
     data = _core.read_file(name)
     digests = {name: hashlib.sha256(data).hexdigest()}
     if Path(name).suffix.lower() in (".gltf", ".glb"):
-        # Of a .glb the first chunk is the JSON text.
         for file in _files_in(name, data):
             digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
     return digests

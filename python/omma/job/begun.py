@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from omma import _core
 from omma._core import Background, Camera, Error, Eye, Scene
-from omma.base.arguments import as_named
+from omma.base.arguments import array_of, as_named
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.base.poses import Matrices, as_poses, load_timed_poses, poses_from_angles
@@ -219,13 +219,11 @@ def _poses(begun: Begun) -> tuple[Matrices, str, Floats | None]:
 def _looking(position_m: ArrayLike, target_m: ArrayLike) -> Matrices:
     """(1, 4, 4), upright; straight up or down as of a head that has lifted or lowered its view from
     along -Z."""
-    try:
-        return _core.look_at(position_m, target_m)[None]
-    except Error as problem:
-        if "along the view" not in str(problem):
-            raise
-    side = np.sign(np.subtract(target_m, position_m)[1])
-    return poses_from_angles(position_m, (0, 90 * side, 0))
+    x, y, z = array_of(target_m, "look_at", (3,)) - array_of(position_m, "position", (3,))
+    # As near to it as `look_at` takes no upright head.
+    is_vertical = np.hypot(x, z) <= 2e-9 * abs(y)
+    up = (0, 0, np.sign(y)) if is_vertical and y != 0 else (0, 1, 0)
+    return _core.look_at(position_m, target_m, up)[None]
 
 
 def _untimed(begun: Begun) -> tuple[Matrices, str]:
