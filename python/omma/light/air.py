@@ -84,7 +84,7 @@ def with_air(
         [18.0, 70.0, 130.0]
 
     Warns:
-        UserWarning: fog without a height, above which the sky stays clear; visibility below 10 m.
+        UserWarning: fog of no given height, as its sky stays clear; visibility below 10 m.
 
     Raises:
         omma.Error: a number out of range, several of the three, none and a sky that does not say

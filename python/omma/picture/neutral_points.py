@@ -15,8 +15,8 @@ from omma.light.sky_tables import LOWEST_SUN_DEG
 from omma.light.sun_position import moon_position, sun_position
 
 _PIXELS = 241  # across a sky, whose cells are searched
-# A cell about a point is cut into so many across, so often.
-_FINER, _ROUNDS = 6, 2
+# A cell about a point, and a little around it, is cut into so many across, so often: to 0.004°.
+_FINER, _ROUNDS = 6, 4
 _MOST_LEFT = 0.01  # polarised of the light at a neutral point
 # So much is polarised so far from a neutral point of a clear sky in ultraviolet and blue; less of
 # hazy ones at long wavelengths, and in clouds.
@@ -130,9 +130,10 @@ def _zeros(light: Light, band: int) -> list[Floats]:
     for row, column in _turning(_on_map(light, band, span, span)[0]):
         x, y = span[column : column + 2], span[row : row + 2]
         for _ in range(_ROUNDS):
-            x, y = (np.linspace(one[0], one[1], _FINER + 1) for one in (x, y))
+            # A point on an edge may be found in the cell beside.
+            around = (x[1] - x[0]) / _FINER
+            x, y = (np.linspace(one[0] - around, one[1] + around, _FINER + 1) for one in (x, y))
             inside = _turning(_on_map(light, band, x, y)[0])
-            # Which of the cells beside an edge it is in may be chance.
             row, column = inside[0] if len(inside) else (_FINER // 2, _FINER // 2)
             x, y = x[column : column + 2], y[row : row + 2]
         middle = np.array([x.mean()]), np.array([y.mean()])

@@ -249,8 +249,8 @@ def check_linear(world: World) -> None:
 
 @contextmanager
 def black(world: World) -> Iterator[World]:
-    """The world with all materials black, which have their colours back afterwards."""
-    check_linear(world)
+    """A world of `check_linear` with all materials black, which have their colours back
+    afterwards."""
     with world._colors.kept(world._engine):
         for k in range(len(world.scene.materials)):
             world.set_color(k, _BLACK, emissive=_BLACK)
