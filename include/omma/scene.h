@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -87,8 +88,14 @@ struct Material {
   TextureUse specular_texture;     // a factor of it, alpha
   Vec3 specular_color{1, 1, 1};    // KHR_materials_specular, 0 to 1
   TextureUse specular_color_texture;  // sRGB
-  float transmission = 0;          // KHR_materials_transmission: straight through, thin
+  float transmission = 0;          // KHR_materials_transmission: straight through
   TextureUse transmission_texture;  // a factor of it, red; linear
+  // KHR_materials_volume. Above 0: meshes bound a volume, into which what is transmitted bends (how
+  // far above does not count); 0: they are thin sheets.
+  float thickness_m = 0;
+  Vec3 attenuation_color{1, 1, 1};  // linear, what is left of white after attenuation_distance_m
+  float attenuation_distance_m = std::numeric_limits<float>::infinity();
+  Spectrum absorption_per_m;  // of the volume, in place of these two
   float diffuse_transmission = 0;  // KHR_materials_diffuse_transmission
   Vec3 diffuse_transmission_color{1, 1, 1};
   TextureUse diffuse_transmission_factor_texture;  // a factor of it, alpha

@@ -2,6 +2,8 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <limits>
+
 #include "model/scene_light.h"
 #include "scene_parts.h"
 
@@ -113,6 +115,10 @@ void bind_material(nb::module_& m) {
       "defaults are. ``ior`` is the index of refraction; ``specular`` (and its colour) a factor "
       "of\n"
       "the reflection by it; ``transmission`` what goes straight through, "
+      "or bends\n"
+      "into a volume where ``thickness_m`` is above 0 (how far above does not count): then meshes\n"
+      "bound it, seen from outside by their front, and it absorbs by ``attenuation_color`` and\n"
+      "``attenuation_distance_m`` or, in their place, ``absorption_per_m``, a spectrum in m⁻¹;\n"
       "``diffuse_transmission``\n"
       "what leaves a thin sheet scattered on its other side; ``clearcoat`` a second surface on "
       "it.\n"
@@ -133,7 +139,9 @@ void bind_material(nb::module_& m) {
              nb::handle normal_texture, nb::handle normal_scale, nb::handle ior,
              nb::handle specular, nb::handle specular_texture, nb::handle specular_color,
              nb::handle specular_color_texture, nb::handle transmission,
-             nb::handle transmission_texture, nb::handle diffuse_transmission,
+             nb::handle transmission_texture, nb::handle thickness_m,
+             nb::handle attenuation_color, nb::handle attenuation_distance_m,
+             nb::handle absorption_per_m, nb::handle diffuse_transmission,
              nb::handle diffuse_transmission_factor_texture, nb::handle diffuse_transmission_color,
              nb::handle diffuse_transmission_texture,
              nb::handle clearcoat, nb::handle clearcoat_texture, nb::handle clearcoat_roughness,
@@ -170,6 +178,10 @@ void bind_material(nb::module_& m) {
             made.transmission = single(transmission, "transmission");
             made.transmission_texture =
                 texture_use_argument(transmission_texture, "transmission_texture");
+            made.thickness_m = single(thickness_m, "thickness_m");
+            made.attenuation_color = to_float(vec3d(attenuation_color, "attenuation_color"));
+            made.attenuation_distance_m = single(attenuation_distance_m, "attenuation_distance_m");
+            made.absorption_per_m = spectrum_argument(absorption_per_m, "absorption_per_m");
             made.diffuse_transmission = single(diffuse_transmission, "diffuse_transmission");
             made.diffuse_transmission_factor_texture = texture_use_argument(
                 diffuse_transmission_factor_texture, "diffuse_transmission_factor_texture");
@@ -206,7 +218,10 @@ void bind_material(nb::module_& m) {
           nb::arg("ior") = 1.5, nb::arg("specular") = 1.0, nb::arg("specular_texture") = nb::none(),
           nb::arg("specular_color") = nb::make_tuple(1.0, 1.0, 1.0),
           nb::arg("specular_color_texture") = nb::none(), nb::arg("transmission") = 0.0,
-          nb::arg("transmission_texture") = nb::none(), nb::arg("diffuse_transmission") = 0.0,
+          nb::arg("transmission_texture") = nb::none(), nb::arg("thickness_m") = 0.0,
+          nb::arg("attenuation_color") = nb::make_tuple(1.0, 1.0, 1.0),
+          nb::arg("attenuation_distance_m") = std::numeric_limits<double>::infinity(),
+          nb::arg("absorption_per_m") = nb::none(), nb::arg("diffuse_transmission") = 0.0,
           nb::arg("diffuse_transmission_factor_texture") = nb::none(),
           nb::arg("diffuse_transmission_color") = nb::make_tuple(1.0, 1.0, 1.0),
           nb::arg("diffuse_transmission_texture") = nb::none(), nb::arg("clearcoat") = 0.0,
@@ -228,8 +243,10 @@ void bind_material(nb::module_& m) {
               "float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = "
               "None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
               "specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, "
-              "transmission_texture: int | TextureUse | None = None, diffuse_transmission: float "
-              "= 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, "
+              "transmission_texture: int | TextureUse | None = None, thickness_m: float = 0.0, "
+              "attenuation_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
+              "attenuation_distance_m: float = float('inf'), absorption_per_m: Spectrum | None = "
+              "None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, "
               "diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
               "diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = "
               "0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float "
@@ -294,6 +311,17 @@ void bind_material(nb::module_& m) {
           [](const Material& one) { return texture_use_or_none(one.transmission_texture); },
           nb::for_getter(nb::sig("def transmission_texture(self, /) -> TextureUse | None")),
           "A factor of ``transmission``: its red; linear.")
+      .def_ro("thickness_m", &Material::thickness_m)
+      .def_prop_ro(
+          "attenuation_color", [](const Material& one) { return numbers(one.attenuation_color); },
+          nb::for_getter(nb::sig("def attenuation_color(self, /) -> tuple[float, float, float]")),
+          "Linear, what is left of white after ``attenuation_distance_m``.")
+      .def_ro("attenuation_distance_m", &Material::attenuation_distance_m)
+      .def_prop_ro(
+          "absorption_per_m",
+          [](const Material& one) { return spectrum_or_none(one.absorption_per_m); },
+          nb::for_getter(nb::sig("def absorption_per_m(self, /) -> Spectrum | None")),
+          "Of the volume, m⁻¹.")
       .def_ro("diffuse_transmission", &Material::diffuse_transmission)
       .def_prop_ro(
           "diffuse_transmission_factor_texture",
@@ -387,6 +415,10 @@ void bind_material(nb::module_& m) {
                        "specular_color_texture",
                        "transmission",
                        "transmission_texture",
+                       "thickness_m",
+                       "attenuation_color",
+                       "attenuation_distance_m",
+                       "absorption_per_m",
                        "diffuse_transmission",
                        "diffuse_transmission_factor_texture",
                        "diffuse_transmission_color",

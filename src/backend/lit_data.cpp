@@ -118,6 +118,8 @@ std::unique_ptr<LitData> make_lit_data(const Lighting& lighting, const Scene& sc
   }
   view.has_glass = std::any_of(materials.begin(), materials.end(),
                                [](const ScatterView& m) { return m.transmission > 0; });
+  view.has_volumes = std::any_of(materials.begin(), materials.end(),
+                                 [](const ScatterView& m) { return m.refracts; });
   view.depth = lighting.depth;
   view.polarized = lighting.polarized;
   lit->light = make_light_data(light, scene, placement, view);

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 #include <utility>
 
 #include "backend/texture_table.h"
 #include "light/bands.h"
+#include "model/scene_light.h"
 #include "model/spectrum_check.h"
 #include "omma/receptor.h"
 #include "physics/surface/boundary_table.h"
@@ -118,6 +120,31 @@ void add_extra(const Maker& make, const ExtraReflectance& extra, ScatterView& vi
   view.extra = make.keep(std::move(matrix));
 }
 
+// What a volume absorbs. Below the visible, where RGB says nothing, as at 400 nm; a table's last
+// values are held beyond its ends.
+void add_volume(const Maker& make, const Material& m, ScatterView& view) {
+  if (!refracts(m)) return;
+  view.refracts = true;
+  if (!m.absorption_per_m.empty()) {
+    view.absorption_per_m = make.keep(band_matrix<1>(make.bands, [&](double nm, double width_nm) {
+      return std::array<double, 1>{
+          mean_spectrum(m.absorption_per_m, nm, width_nm, Beyond::nearest_knot)};
+    }));
+    return;
+  }
+  const Vec3 left = m.attenuation_color;
+  if (left == Vec3{1, 1, 1} || std::isinf(m.attenuation_distance_m)) return;
+  std::vector<float> of_bands = band_matrix<1>(make.bands, [&](double nm, double) {
+    const Weights w = rgb_weights(std::max(nm, visible_from_nm), {});
+    return std::array<double, 1>{w[0] * static_cast<double>(left.x) +
+                                 w[1] * static_cast<double>(left.y) +
+                                 w[2] * static_cast<double>(left.z)};
+  });
+  constexpr float black = 1e-26f;  // by which all light is gone after the distance
+  for (float& x : of_bands) x = -std::log(std::clamp(x, black, 1.0f)) / m.attenuation_distance_m;
+  view.absorption_per_m = make.keep(std::move(of_bands));
+}
+
 // Means over the bands of a boundary's table: [band][element][cosine of the table].
 std::vector<std::vector<double>> band_boundary(const Bands& bands, const BoundaryTable& table) {
   const auto cosines = static_cast<std::size_t>(table.cosines);
@@ -207,6 +234,7 @@ ScatterView scatter_view(const Maker& make, const Material& material, const Weig
   add_diffuse(make, material, ultraviolet, view);
   add_extra(make, material.extra, view);
   add_surface(make, material, view);
+  add_volume(make, material, view);
   return view;
 }
 
@@ -323,8 +351,11 @@ std::vector<int> materials_without_ultraviolet(const Scene& scene, const Bands& 
     const bool transmits = !material.transmittance.empty() || material.diffuse_transmission > 0;
     const bool all_metal =
         material.metallic == 1 && material.metallic_roughness_texture.texture < 0;
+    const bool absorbs = refracts(material) && (!material.absorption_per_m.empty() ||
+                                                material.attenuation_color != Vec3{1, 1, 1});
     const bool base_known = is_known(material.reflectance) &&
-                            (!transmits || is_known(material.transmittance));
+                            (!transmits || is_known(material.transmittance)) &&
+                            (!absorbs || is_known(material.absorption_per_m));
     const bool known = material.boundary.empty()
                            ? base_known
                            : is_known(material.boundary) && (all_metal || base_known);

@@ -5,6 +5,7 @@
 
 #include "backend/texture_table.h"
 #include "model/new_version.h"
+#include "model/scene_light.h"
 
 namespace omma {
 namespace {
@@ -18,7 +19,7 @@ MaterialView material_view(const Scene& scene, const Material& m, ShadingData& d
           find_texture(scene, data, m.emissive_texture.texture, {}, codes),
           m.alpha_cutoff,
           m.alpha_mode,
-          m.double_sided,
+          m.double_sided || refracts(m),  // a volume is left through backs
           !m.unlit && m.transmission > 0};
 }
 

@@ -74,6 +74,7 @@ void visit_arrays(ScatterView& view, Visit& visit, std::int32_t bands) {
   visit(view.emission, {bands, 3});
   visit(view.specular_tint, {bands});
   visit(view.tint_from_rgb, {bands, 3});
+  visit(view.absorption_per_m, {bands});
 }
 
 // `corners`: of triangles, or vertices, as MeshView has it.

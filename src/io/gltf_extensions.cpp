@@ -15,7 +15,7 @@
 namespace omma {
 namespace {
 
-constexpr std::array<std::string_view, 17> read_extensions = {
+constexpr std::array<std::string_view, 18> read_extensions = {
     draco_extension,
     lights_extension,
     meshopt_extension,
@@ -29,6 +29,7 @@ constexpr std::array<std::string_view, 17> read_extensions = {
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
     "KHR_texture_transform",

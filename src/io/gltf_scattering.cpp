@@ -1,6 +1,7 @@
 // Scattering of glTF 2.0 materials (section 3.9): metallic-roughness, normals, and the extensions
-// KHR_materials_ior, _specular, _transmission, _diffuse_transmission and _clearcoat. Occlusion is
-// not read, it is computed. Surfaces are thin: KHR_materials_volume is warned of.
+// KHR_materials_ior, _specular, _transmission, _volume, _diffuse_transmission and _clearcoat.
+// Occlusion is not read, it is computed. Nor are textures of thickness, which a mesh's own shape
+// tells.
 #include "io/gltf_scattering.h"
 
 #include <algorithm>
@@ -94,8 +95,19 @@ void read_transmission(const ScatteringReader& reader) {
   m.diffuse_transmission_factor_texture =
       read_texture_use(reader.textures, diffuse, "diffuseTransmissionTexture", reader.place,
                        TextureMeaning::alpha);
-  if (!reader.extension("KHR_materials_volume").empty())
-    reader.warn("KHR_materials_volume is not supported: surfaces are thin");
+}
+
+void read_volume(const ScatteringReader& reader) {
+  Material& m = reader.result;
+  const json& volume = reader.extension("KHR_materials_volume");
+  m.thickness_m = volume.value("thicknessFactor", 0.0f);
+  m.attenuation_distance_m = volume.value("attenuationDistance", m.attenuation_distance_m);
+  if (volume.contains("attenuationColor"))
+    m.attenuation_color = gltf_vec3(volume["attenuationColor"]);
+  if (m.thickness_m == 0 || (m.metallic == 0 && m.clearcoat == 0)) return;
+  reader.warn("KHR_materials_volume of a metal or under a clear coat is not supported: such "
+              "surfaces are thin");
+  m.thickness_m = 0;
 }
 
 // Its Mueller elements are in a buffer view; validate_scene looks at the rest.
@@ -118,6 +130,7 @@ void read_spectra(const ScatteringReader& reader) {
   m.reflectance = read_spectrum(said, "reflectance");
   m.transmittance = read_spectrum(said, "transmittance");
   m.emission = read_spectrum(said, "emission");
+  m.absorption_per_m = read_spectrum(said, "absorption_per_m");
   m.spectral_luminance = said.value("spectral_luminance", 1.0f);
   if (said.contains("boundary")) read_boundary(reader, said["boundary"]);
   if (!said.contains("extra_reflectance")) return;
@@ -137,6 +150,7 @@ void read_scattering(GltfTextureReader& textures, const json& material, const st
   read_surface(reader);
   read_specular(reader);
   read_transmission(reader);
+  read_volume(reader);
   read_spectra(reader);
 }
 

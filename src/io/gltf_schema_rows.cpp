@@ -144,7 +144,7 @@ void add_scattering(GltfMember& root) {
        {"KHR_materials_transmission", object},
        {"KHR_materials_diffuse_transmission", object},
        {"KHR_materials_clearcoat", object},
-       {"KHR_materials_volume", whole_object}});  // that it is there is told
+       {"KHR_materials_volume", object}});
   add(root, extensions + ".KHR_materials_emissive_strength", {{"emissiveStrength", number}});
   add(root, extensions + ".KHR_materials_ior", {{"ior", number}});
   const std::string specular = extensions + ".KHR_materials_specular";
@@ -154,6 +154,10 @@ void add_scattering(GltfMember& root) {
   const std::string transmission = extensions + ".KHR_materials_transmission";
   add(root, transmission, {{"transmissionFactor", number}});
   add_texture_use(root, transmission, "transmissionTexture");
+  add(root, extensions + ".KHR_materials_volume",
+      {{"thicknessFactor", number},
+       {"attenuationDistance", number},
+       {"attenuationColor", three_numbers}});
   const std::string diffuse = extensions + ".KHR_materials_diffuse_transmission";
   add(root, diffuse,
       {{"diffuseTransmissionFactor", number}, {"diffuseTransmissionColorFactor", three_numbers}});
@@ -174,9 +178,10 @@ void add_scattering(GltfMember& root) {
               {"transmittance", object},
               {"spectral_luminance", number},
               {"emission", object},
+              {"absorption_per_m", object},
               {"extra_reflectance", object},
               {"boundary", object}});
-  for (const char* name : {".reflectance", ".transmittance", ".emission"})
+  for (const char* name : {".reflectance", ".transmittance", ".emission", ".absorption_per_m"})
     add(root, omma + name, spectrum);
   add(root, omma + ".extra_reflectance", {{"spectra", spectra, required}});
   add_texture_use(root, omma + ".extra_reflectance", "texture", required);

@@ -57,6 +57,13 @@ void write_scattering(GltfWriter& writer, const Material& m, json& made) {
         writer, made, "KHR_materials_transmission") = {{"transmissionFactor", m.transmission}};
     add_texture(straight, "transmissionTexture", m.transmission_texture);
   }
+  if (m.thickness_m != 0 || m.attenuation_color != usual.attenuation_color ||
+      m.attenuation_distance_m != usual.attenuation_distance_m) {
+    json& volume = extension(writer, made, "KHR_materials_volume") = {
+        {"thicknessFactor", m.thickness_m}, {"attenuationColor", numbers(m.attenuation_color)}};
+    if (std::isfinite(m.attenuation_distance_m))
+      volume["attenuationDistance"] = m.attenuation_distance_m;
+  }
   if (m.diffuse_transmission != 0 || is_there(m.diffuse_transmission_texture) ||
       is_there(m.diffuse_transmission_factor_texture) ||
       m.diffuse_transmission_color != usual.diffuse_transmission_color) {
@@ -82,6 +89,8 @@ json written_spectra(GltfWriter& writer, const Material& m) {
   if (!m.reflectance.empty()) made["reflectance"] = written_spectrum(m.reflectance);
   if (!m.transmittance.empty()) made["transmittance"] = written_spectrum(m.transmittance);
   if (!m.emission.empty()) made["emission"] = written_spectrum(m.emission);
+  if (!m.absorption_per_m.empty())
+    made["absorption_per_m"] = written_spectrum(m.absorption_per_m);
   if (m.spectral_luminance != 1) made["spectral_luminance"] = m.spectral_luminance;
   if (m.extra.texture.texture >= 0) {
     json spectra = json::array();

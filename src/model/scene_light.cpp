@@ -110,7 +110,25 @@ void check_boundary(const BoundaryTable& table, const std::string& place) {
   }
 }
 
+void check_volume(const Material& m, const std::string& place) {
+  if (!(m.thickness_m >= 0) || !std::isfinite(m.thickness_m))
+    throw Error(place + "thickness_m: expected a number that is finite and not negative, found " +
+                short_text(m.thickness_m));
+  check_fractions(m.attenuation_color, place + "attenuation_color");
+  if (!(m.attenuation_distance_m > 0))
+    throw Error(place + "attenuation_distance_m: expected more than 0, found " +
+                short_text(m.attenuation_distance_m));
+  check_spectrum(m.absorption_per_m, place + "absorption_per_m: ");
+  if (m.thickness_m > 0 && (m.metallic > 0 || m.clearcoat > 0))
+    throw Error(place + "thickness_m: expected 0 of a metal or under a clear coat, found " +
+                short_text(m.thickness_m));
+}
+
 }  // namespace
+
+bool refracts(const Material& m) {
+  return m.thickness_m > 0 && m.transmission > 0 && !m.unlit;
+}
 
 void check_scattering(const Material& m, const std::string& place) {
   check_range(m.metallic, 0, 1, place + "metallic");
@@ -120,6 +138,7 @@ void check_scattering(const Material& m, const std::string& place) {
   check_range(m.specular, 0, 1, place + "specular");
   check_fractions(m.specular_color, place + "specular_color");
   check_range(m.transmission, 0, 1, place + "transmission");
+  check_volume(m, place);
   check_range(m.diffuse_transmission, 0, 1, place + "diffuse_transmission");
   check_fractions(m.diffuse_transmission_color, place + "diffuse_transmission_color");
   check_range(m.clearcoat, 0, 1, place + "clearcoat");

@@ -12,6 +12,9 @@ namespace omma {
 void check_scattering(const Material& material, const std::string& place);
 void check_punctual_light(const PunctualLight& light, const std::string& place);
 
+// Whether meshes of a material bound a volume, into which rays bend.
+bool refracts(const Material& material);
+
 // The emission (factor x texture) of a material, by each component where it is brightest.
 Vec3 brightest_emission(const Scene& scene, const Material& material);
 

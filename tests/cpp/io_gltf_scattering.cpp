@@ -1,4 +1,6 @@
 // How glTF materials scatter light: metallic-roughness, normals, extensions, spectra in extras.
+#include <cmath>
+
 #include "gltf_builder.h"
 
 namespace omma::test {
@@ -153,6 +155,25 @@ TEST(GltfScattering, WhatIsReadIsNotWarnedOf) {
   EXPECT_TRUE(load(b).warnings.empty());
 }
 
+TEST(GltfScattering, Volumes) {
+  const auto loaded = [](const json& said, float metallic) {
+    json description = extension("KHR_materials_volume", said);
+    description["pbrMetallicRoughness"] = {{"metallicFactor", metallic}};
+    return load(with_material(description)).materials[0];
+  };
+  const json tea = {{"thicknessFactor", 0.5},
+                    {"attenuationDistance", 2},
+                    {"attenuationColor", {0.5, 0.25, 0}}};
+  const Material volume = loaded(tea, 0);
+  EXPECT_EQ(volume.thickness_m, 0.5f);
+  EXPECT_EQ(volume.attenuation_distance_m, 2);
+  EXPECT_EQ(volume.attenuation_color, (Vec3{0.5f, 0.25f, 0}));
+  EXPECT_EQ(loaded(tea, 0.5f).thickness_m, 0);
+  const Material clear = loaded({{"thicknessFactor", 1}}, 0);
+  EXPECT_EQ(clear.attenuation_color, (Vec3{1, 1, 1}));
+  EXPECT_TRUE(std::isinf(clear.attenuation_distance_m));
+}
+
 TEST(GltfScattering, WhatIsPassedOverIsWarnedOf) {
   const auto said = [](const json& description) {
     return warnings(load(with_material(description)));
@@ -161,9 +182,10 @@ TEST(GltfScattering, WhatIsPassedOverIsWarnedOf) {
   EXPECT_EQ(said(extension("KHR_materials_specular", {{"specularColorFactor", {10, 10, 10}}})),
             std::vector<std::string>{"a specular colour above 1 counts as 1 (material 0)"});
   EXPECT_EQ(said(extension("KHR_materials_ior", {{"ior", 0}})).size(), 1u);
+  // Of glTF's usual metal.
   EXPECT_EQ(said(extension("KHR_materials_volume", {{"thicknessFactor", 1}})),
-            std::vector<std::string>{
-                "KHR_materials_volume is not supported: surfaces are thin (material 0)"});
+            std::vector<std::string>{"KHR_materials_volume of a metal or under a clear coat is not "
+                                     "supported: such surfaces are thin (material 0)"});
   EXPECT_EQ(said(extras({{"emission", spectrum({400, 500}, {1, 1})}})),
             std::vector<std::string>{"a spectrum of emission is not seen where the emissive "
                                      "factor is 0 (material 0)"});

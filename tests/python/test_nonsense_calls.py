@@ -436,6 +436,7 @@ def public_calls(folder):
         "natural_material": ("sand",),
         "refractive_index": ("gold",),
         "water": {"kind": "IB", "wind_m_per_s": 2.0, "depth_m": 1.0, "bottom": "sand"},
+        "water_volume": {"kind": "IB"},
         "wave_roughness": (2.0,),
         "bands_to_rgb": (np.ones((5, len(light.bands))), light),
         "cie_relative_luminance": (1, 30.0, [10.0, 90.0]),

@@ -113,7 +113,7 @@ def test_what_others_read(tmp_path):
     assert document["meshes"][-1]["extras"] == {"hitbox": "true"}
 
 
-fractions = st.floats(0, 1, width=32)
+fractions = st.just(0.0) | st.floats(0, 1, width=32)
 colors = st.tuples(fractions, fractions, fractions)
 positive = st.floats(0, 1e6)
 
@@ -134,7 +134,8 @@ def boundaries(draw):
 @st.composite
 def materials(draw):
     maybe = st.none()
-    metallic = draw(fractions)
+    metallic, coat = draw(fractions), draw(fractions)
+    is_volume = metallic == coat == 0
     use = st.builds(TextureUse, st.just(0), st.integers(0, 1), st.tuples(fractions, fractions))
     texture = maybe | use
     normal, of_coat = draw(texture), draw(texture)
@@ -151,11 +152,15 @@ def materials(draw):
         specular_color_texture=draw(texture),
         transmission=draw(fractions),
         transmission_texture=draw(texture),
+        thickness_m=draw(st.floats(0, 8, width=32)) if is_volume else 0,
+        attenuation_color=draw(colors),
+        attenuation_distance_m=draw(st.floats(2**-10, 1e3, width=32) | st.just(np.inf)),
+        absorption_per_m=draw(maybe | spectra(1e3)),
         diffuse_transmission=draw(fractions),
         diffuse_transmission_factor_texture=draw(texture),
         diffuse_transmission_color=draw(colors),
         diffuse_transmission_texture=draw(texture),
-        clearcoat=draw(fractions),
+        clearcoat=coat,
         clearcoat_texture=draw(texture),
         clearcoat_roughness=draw(fractions),
         clearcoat_roughness_texture=draw(texture),

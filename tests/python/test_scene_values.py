@@ -104,6 +104,14 @@ def everything():
                 ),
                 emission=Spectrum([400, 700], [1e-9, 123.456]),
             ),
+            Material(
+                "tea",
+                transmission=1,
+                thickness_m=0.25,
+                attenuation_color=(0.5, 0.25, 0.125),
+                attenuation_distance_m=0.75,
+                absorption_per_m=Spectrum([300, 700], [0.001, 0.2]),
+            ),
         ],
         textures=[
             Texture(0, "clamp_to_edge", "mirrored_repeat", "nearest"),

@@ -60,6 +60,8 @@ ABSORPTION = {
 # What particles turn back of the light that they scatter: 0.0183 (Petzold's mean of measurements,
 # as water.py has it); molecules half.
 BACK = 0.0183
+# What they turn by 45 degrees or more (water.py; tests/python/test_water_volumes.py has it anew).
+TURNED = 0.109
 
 
 def scattering_by_particles(kind: str, nm: Floats) -> Floats:

@@ -34,7 +34,7 @@ from .solids import box, cylinder, disc, plane, sphere
 from .surfel_scenes import surfels
 from .trimesh_scenes import from_trimesh
 from .walls import corridor, drum
-from .water_surfaces import water, wave_roughness
+from .water_surfaces import water, water_volume, wave_roughness
 from .world import WorldInstance
 
 __all__ = [
@@ -85,6 +85,7 @@ __all__ = [
     "sphere",
     "surfels",
     "water",
+    "water_volume",
     "wave_roughness",
     "with_reflectance",
 ]

@@ -22,6 +22,7 @@ from omma.base.arrays import Floats
 from omma.light.water_types import (
     ABSORPTION,
     BACK,
+    TURNED,
     scattering_by_molecules,
     scattering_by_particles,
 )
@@ -100,7 +101,8 @@ def water(
     roughness = 0.0
     if wind_m_per_s is not None or mean_square_slope is not None:
         roughness = wave_roughness(wind_m_per_s, mean_square_slope=mean_square_slope)
-    nm, a, back = _inside(kind, absorption_per_m, scattering_per_m)
+    nm, a, molecules, particles = _inside(kind, absorption_per_m, scattering_per_m)
+    back = BACK * particles + molecules / 2
     below = _sent_up(back / (a + back))
     if bottom is not None or depth_m is not None:
         nm, below = _above_bottom(nm, below, _DOWN * (a + back), depth_m, bottom)
@@ -113,6 +115,54 @@ def water(
         roughness=roughness,
         reflectance=Spectrum(nm, reflectance),
         spectral_luminance=luminance(color),
+    )
+
+
+@checked
+def water_volume(
+    kind: str | None = None,
+    *,
+    absorption_per_m: Spectrum | None = None,
+    scattering_per_m: Spectrum | None = None,
+    refractive_index: float = 1.34,
+) -> Material:
+    """Water that one looks into, as the material of its surface: a level mesh or one with waves,
+    whose front is above.
+
+    What lies below is a part of the scene. Rays from the eye bend at the surface by Snell's law;
+    it mirrors and polarises as Fresnel says. The water takes
+
+        k = a + b of molecules + 0.109 b of particles
+
+    of light on its way, per m: what particles turn by less than 45 degrees counts as not scattered
+    (as of `omma.light.under_water`). It gives no light of its own, so far things get dark, not
+    veiled: for deep water take `water`. docs/materials.md says what else is left out.
+
+    Args:
+        kind: the water's type after Jerlov, as of `water`. None: "IB", unless it is given as
+            measured.
+        absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``.
+        scattering_per_m: b as measured. Up to what pure sea water scatters it is by molecules.
+        refractive_index: n of the water, 1.3 to 1.4, for all wavelengths.
+
+    Example:
+        >>> pool = omma.scene.water_volume("IB")
+        >>> scene = omma.scene.plane((8, 8)).replace(materials=[pool])
+
+    Raises:
+        omma.Error: an unknown type, a number out of range, a or b alone or beside a type, spectra
+            that do not reach over 400 to 700 nm or hold what cannot be.
+    """
+    n = within(refractive_index, "refractive_index", *_INDICES)
+    nm, a, molecules, particles = _inside(kind, absorption_per_m, scattering_per_m)
+    return Material(
+        "water" if absorption_per_m is not None else f"water {kind or 'IB'}",
+        ior=n,
+        roughness=0.0,
+        transmission=1.0,
+        thickness_m=1.0,
+        absorption_per_m=Spectrum(nm, a + molecules + TURNED * particles),
+        reflectance=Spectrum(nm[[0, -1]], np.ones(2)),
     )
 
 
@@ -166,13 +216,14 @@ def _sent_up(share: Floats) -> Floats:
 
 def _inside(
     kind: str | None, absorption: Spectrum | None, scattering: Spectrum | None
-) -> tuple[Floats, Floats, Floats]:
-    """Wavelengths, nm, and what the water absorbs and turns back there, m⁻¹, (W,) each."""
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Wavelengths, nm, and what the water absorbs there, and what its molecules and particles
+    scatter, m⁻¹, (W,) each."""
     if absorption is None and scattering is None:
         kind = one_of("IB" if kind is None else kind, ABSORPTION, "kind")
         values, nodes = ABSORPTION[kind]
         particles, molecules = scattering_by_particles(kind, _NM), scattering_by_molecules(_NM)
-        return _NM, np.interp(_NM, nodes, values), BACK * particles + molecules / 2
+        return _NM, np.interp(_NM, nodes, values), molecules, particles
     if kind is not None:
         raise Error("kind: expected none beside absorption_per_m and scattering_per_m")
     if absorption is None or scattering is None:
@@ -190,7 +241,7 @@ def _inside(
     nm = _from(max(absorption.wavelength_nm[0], scattering.wavelength_nm[0]))
     whole = _at(nm, scattering)
     molecules = np.minimum(whole, scattering_by_molecules(nm))
-    return nm, _at(nm, absorption), BACK * (whole - molecules) + molecules / 2
+    return nm, _at(nm, absorption), molecules, whole - molecules
 
 
 def _above_bottom(

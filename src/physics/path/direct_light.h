@@ -106,7 +106,8 @@ OMMA_HD_CALLED LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
   for (int l = 0; l < L::count; l += L::width)
     store(shadow.rays.t_far_m + l, load<F>(lights.distance_m + l) * up_to_light);
   if (lets_through(flight.scene))
-    return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, flight.memory.shadow);
+    return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, &flight.state.media,
+                                  flight.memory.shadow);
   return lanes & ~search_occluded(flight.search, lanes, shadow.rays);
 }
 

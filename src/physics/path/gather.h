@@ -76,7 +76,7 @@ OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLan
   }
   leave_surfaces<L>(geometry, way, look.rays);
   return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
-                                                               flight.memory.shadow)
+                                                               nullptr, flight.memory.shadow)
                              : search_occluded(flight.search, lanes, look.rays);
 }
 

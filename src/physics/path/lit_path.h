@@ -98,11 +98,45 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
+// What volumes absorb of the light from what some lanes met.
+template <typename L, typename Search>
+OMMA_HD void pass_media(const Flight<L, Search>& flight, const LitSurface<L>& surface,
+                        const ScatteringPacket<L>& points, LaneMask<L> met) {
+  alignas(L::count * 4) float cosine[L::count];
+  for (int l = 0; l < L::count; l += L::width) store(cosine + l, points.point[l / L::width].o.z);
+  absorb(flight.scene, flight.state.media, surface,
+         {met, points.bends, flight.packet.rays.t_far_m, cosine}, flight.memory.throughput);
+}
+
+// What rays are in that go on: straight, bent, or scattered, the others.
+template <typename L, typename Search>
+OMMA_HD void leave_media(const Flight<L, Search>& flight, const LitSurface<L>& surface,
+                         LaneMask<L> by, LaneMask<L> bent) {
+  Media<L>& media = flight.state.media;
+  (~by & ~bent).for_each([&](int l) { media.entered[l] = 0, media.from_m[l] = 0; });
+  (by | bent).for_each([&](int l) {
+    pass_boundary(surface, l, flight.packet.rays.t_far_m[l], by.has(l), media);
+  });
+}
+
+// The next rays of paths that were bent: they stay rays from the eye, but find discs of the sky by
+// themselves.
+template <typename L, typename Search>
+OMMA_HD void bend_rays(const Flight<L, Search>& flight, LaneMask<L> bent,
+                       const HitGeometry<L>& geometry, const ScatteringSample<L>& sample) {
+  bent.for_each([&](int l) {
+    flight.packet.acceptance_sr[l] = 0;
+    flight.state.seen_m[l] = 0;
+    flight.passed->count[l] = 0;
+  });
+  leave_surfaces<L>(geometry, sample.direction, bent, flight.packet.rays);
+}
+
 // Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
 // Returns the lanes that go on.
 template <typename L, typename Search>
 OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on,
-                                   const HitGeometry<L>& geometry,
+                                   const HitGeometry<L>& geometry, const LitSurface<L>& surface,
                                    const ScatteringPacket<L>& points,
                                    const ScatteringSample<L>& sample) {
   using F = typename L::F;
@@ -114,14 +148,18 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
     return lobe == let_by ||
            (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f);
   });
-  LaneMask<L> by;
+  LaneMask<L> by, bent;
   if (flight.passed != nullptr) by = on & goes_straight<L>(sample);
-  const LaneMask<L> scattered = play_roulette(flight, on & ~by, sample, most);
+  if (flight.scene.has_volumes)
+    bent = on & lanes_where<L>([&](int l) { return load<I>(sample.lobe + l) == refracted; });
+  const LaneMask<L> scattered = play_roulette(flight, on & ~by & ~bent, sample, most);
+  if (flight.scene.has_volumes) leave_media(flight, surface, by, bent);
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
   scatter_rays(flight, scattered, geometry, sample);
+  if (bent.any()) bend_rays(flight, bent, geometry, sample);
   std::int32_t* const flights = flight.state.flight;
   for (int l = 0; l < L::count; l += L::width) store(flights + l, load<I>(flights + l) + 1);
-  return by | scattered;
+  return by | bent | scattered;
 }
 
 // Where the paths of some lanes go on from the surfaces that they met: past them, of the lanes
@@ -129,13 +167,15 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
 template <typename L, typename Search>
 OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMask<L> on,
                                          LaneMask<L> by, const HitGeometry<L>& geometry,
+                                         const LitSurface<L>& surface,
                                          const ScatteringPacket<L>& points) {
   ScatteringSample<L> sample;
   sample_scattering<L>(flight.packet, flight.state, points, on & ~by, sample);
   by.for_each([&](int l) { sample.lobe[l] = let_by; });
+  if (points.bends.any()) refract_rays<L>(points, sample);
   if (has_air(flight.scene) && flight.passed != nullptr)
     undo_air(flight, on & goes_straight<L>(sample));
-  return continue_paths(flight, on, geometry, points, sample);
+  return continue_paths(flight, on, geometry, surface, points, sample);
 }
 
 // One flight of the paths of some lanes: adds what they find to the radiance, and returns the lanes
@@ -196,6 +236,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   if (reads.any()) eval_baked(flight, baked, geometry, surface, reads);
   ScatteringPacket<L> points;
   make_scattering(flight, surface, reads, points);
+  if (scene.has_volumes) pass_media(flight, surface, points, met);
   if (has_air(scene)) pass_air(flight, surface, points, met);
   if (scene.shines) add_emission(flight, hits, surface, met);
 
@@ -209,7 +250,7 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   if (reads.any() && flight.cell_errors != nullptr) add_cell_errors(flight, points, baked, reads);
 
   // Sample the surface; throughput, roulette, the next rays.
-  return scatter_paths(flight, on, by, geometry, points);
+  return scatter_paths(flight, on, by, geometry, surface, points);
 }
 
 // The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the

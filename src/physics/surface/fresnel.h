@@ -23,14 +23,16 @@ struct Amplitudes {
   F s, p;
 };
 
-// Of a dielectric seen from outside, `ior` 1 or more, `cos_i` in [0, 1]. Born and Wolf, Principles
-// of Optics (7th ed., 1999), 1.5.2 equations 21, with n cos_t = sqrt(n^2 - 1 + cos_i^2). Their p =
-// k x s follows the ray, so that s.p is below 0 at normal incidence.
+// Of a dielectric, `ior` that of the far side over that of the near one, `cos_i` in [0, 1]. Born and
+// Wolf, Principles of Optics (7th ed., 1999), 1.5.2 equations 21, with n cos_t = sqrt(n^2 - 1 +
+// cos_i^2). Their p = k x s follows the ray, so that s.p is below 0 at normal incidence. Where all
+// is reflected, from inside, the phase between s and p is left out: it makes light circular.
 template <typename F>
 OMMA_HD Amplitudes<F> fresnel_dielectric(F cos_i, F ior) {
   constexpr float tiny = 1e-30f;  // ior 1 at grazing incidence: 0, not 0 / 0
   const F n2 = ior * ior;
-  const F g = sqrt_lanes((ior - 1.0f) * (ior + 1.0f) + cos_i * cos_i);
+  const F g2 = (ior - 1.0f) * (ior + 1.0f) + cos_i * cos_i;
+  const F g = sqrt_lanes(g2 > 0.0f ? g2 : broadcast<F>(0.0f));
   return {(cos_i - g) / (cos_i + g + tiny), (n2 * cos_i - g) / (n2 * cos_i + g + tiny)};
 }
 

@@ -33,6 +33,9 @@ struct LitSurface {
   alignas(L::count * 4) std::int32_t table[L::count];     // of its ior, ScatterView::albedo_table
   alignas(L::count * 4) std::int32_t boundary[L::count];  // ScatterView's; anything where none is
   alignas(L::count * 4) std::int32_t material[L::count];  // -1 where nothing was met
+  // 1 where the ray enters a volume, -1 where it would leave one, 0 else; anything where the scene
+  // has none.
+  alignas(L::count * 4) std::int32_t volume[L::count];
 };
 
 // Spectra of the lanes of one mesh; `keep_at(values, b, x)` stores them.
@@ -206,6 +209,11 @@ OMMA_HD_CALLED void eval_lit_surfaces(const SceneView& scene, const Packet<L>& p
     set(surface.table, load<I>(hits.mesh + l) * 0 + scatter.albedo_table);
     if (scene.boundaries != nullptr)
       set(surface.boundary, load<I>(hits.mesh + l) * 0 + scatter.boundary);
+    if (scene.has_volumes) {
+      const I zero = load<I>(hits.mesh + l) * 0;
+      const I side = dot(facing, direction) > 0.0f ? zero - 1 : zero + 1;
+      set(surface.volume, scatter.refracts ? side : zero);
+    }
     set(surface.material, keep(is_member, load<I>(hits.mesh + l) * 0 + mesh.material));
   });
 }

@@ -62,6 +62,8 @@ struct ScatterView {
   const float* tint_from_rgb = nullptr;    // in its place, of a texture's R, G, B: [band][3]
   std::int32_t albedo_table = 0;  // of its ior, among SceneView::specular_albedo
   std::int32_t boundary = -1;     // of its metal, among SceneView::boundaries; -1: its colour
+  bool refracts = false;          // whether its meshes bound a volume, into which rays bend
+  const float* absorption_per_m = nullptr;  // [band], of the volume; null: nothing is absorbed
 };
 
 // A texture as one mesh reads it.
@@ -176,6 +178,7 @@ struct SceneView {
   const float* metal_albedo = nullptr;     // that of white metals, or null where there are none
   const float* boundaries = nullptr;       // tables of boundary_table.h, or null: there are none
   bool has_glass = false;  // whether light goes straight through any material
+  bool has_volumes = false;  // whether any material refracts
   bool shines = false;     // whether any material does by itself
   int depth = 0;           // most scatterings on a path; 0: as many as it takes
   bool polarized = false;  // whether light is a Stokes vector on its way

@@ -1,0 +1,101 @@
+// Volumes that rays go through, such as water and glass: which one a ray is in, and what it absorbs,
+//
+//   L = L_0 exp(-a d)    (Beer and Lambert),
+//
+// a by band, over the distance d between surfaces. A volume is bounded by meshes whose material
+// refracts, seen from outside by their front.
+//
+// Rays from the eye bend at boundaries, by Snell's law. Radiance changes there by the square of the
+// indices' ratio (Born and Wolf 1999, 4.8.3): over n^2 is what comes out of a volume, n^2 times what
+// gets in. All other rays, as those to lights, go straight on, which no sample of a light could do
+// otherwise. Through a level surface they bring what bent ones would: the flux through it is the
+// same, and so is the way in the volume, of which they count
+//
+//   d cos(t) / cos(t'),   sin(t') = sin(t) / n.
+//
+// What leaves a volume for a surface outside is over n^2 for them too, so that light through a whole
+// body has lost nothing of that.
+#pragma once
+
+#include "physics/lanes/lane_mask.h"
+#include "physics/lanes/powers.h"
+#include "physics/surface/lit_surface.h"
+
+namespace omma {
+
+// Which volume the rays of a packet are in, [lane].
+template <typename L>
+struct Media {
+  static constexpr int n = L::count;
+  alignas(n * 4) std::int32_t material[n];  // of its boundary; -1: none that is known
+  alignas(n * 4) std::int32_t entered[n];   // 1 where the ray has gone straight into it, else 0
+  float from_m[n];                          // up to where along the ray what it absorbs has counted
+};
+
+template <typename L>
+OMMA_HD void clear(Media<L>& media) {
+  for (int l = 0; l < L::count; ++l) {
+    media.material[l] = -1;
+    media.entered[l] = 0;
+    media.from_m[l] = 0;
+  }
+}
+
+// The ray of a lane goes on past what it met at t_far_m: straight, or bent, from there.
+template <typename L>
+OMMA_HD void pass_boundary(const LitSurface<L>& surface, int lane, float t_far_m, bool straight,
+                           Media<L>& media) {
+  const std::int32_t volume = surface.volume[lane];
+  if (volume != 0) {
+    media.material[lane] = volume > 0 ? surface.material[lane] : -1;
+    media.entered[lane] = volume > 0 && straight ? 1 : 0;
+  }
+  media.from_m[lane] = straight ? t_far_m : 0;
+}
+
+// By what light that goes through boundaries changes as radiance: of lanes from l on, some of which
+// bend.
+template <typename L, typename Mask>
+OMMA_HD typename L::F radiance_scale(const LitSurface<L>& surface, const Media<L>& media, int l,
+                                     Mask bends) {
+  using F = typename L::F;
+  using I = typename L::I;
+  const I volume = load<I>(surface.volume + l);
+  const F one = broadcast<F>(1.0f), n = load<F>(surface.ior + l);
+  const auto leaves = volume < 0 && (bends || load<I>(media.entered + l) > 0);
+  const F out = leaves ? n * n : one;
+  return volume > 0 ? one / (n * n) : out;
+}
+
+// Rays to what was met, [lane]: how far that is, the cosine to its normal, and which of them come
+// from the eye and bend.
+template <typename L>
+struct VolumeRays {
+  LaneMask<L> met, bend;
+  const float (&t_far_m)[L::count];
+  const float (&cosine)[L::count];
+};
+
+// Multiplies `throughput` [band][lane] of some lanes by what volumes leave of light on the way to
+// what was met.
+template <typename L>
+OMMA_HD_CALLED void absorb(const SceneView& scene, const Media<L>& media,
+                           const LitSurface<L>& surface, const VolumeRays<L>& rays,
+                           float* throughput) {
+  constexpr int n = L::count;
+  rays.met.for_each([&](int l) {
+    const bool leaves = surface.volume[l] < 0;
+    const std::int32_t material = leaves ? surface.material[l] : media.material[l];
+    if (material < 0 || scene.scatter[material].absorption_per_m == nullptr) return;
+    float way_m = rays.t_far_m[l] - media.from_m[l];
+    if (leaves && media.entered[l] == 0 && !rays.bend.has(l)) {
+      const float cosine = rays.cosine[l], ior = scene.scatter[material].ior;
+      way_m *= cosine / sqrtf(1.0f - (1.0f - cosine * cosine) / (ior * ior));
+    }
+    for (int b = 0; b < scene.bands; ++b)
+      throughput[b * n + l] *=
+          left_by_depth(scene.scatter[material].absorption_per_m[b] * way_m);
+  });
+}
+
+}  // namespace omma

@@ -1,0 +1,301 @@
+// Volumes that rays bend into, water and glass, against Snell, Fresnel, Beer and Lambert: what lies
+// below a level surface and how it is polarised, the window that opens from below, the light that
+// gets to the bottom, and white furnaces.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "light_maps.h"
+#include "world_tests.h"
+
+namespace omma::test {
+namespace {
+
+constexpr double water = 1.34;
+// m^-1, of two bands, and as a spectrum.
+const std::vector<double> absorption = {0, 0.7};
+const Spectrum absorption_per_m = {{490, 505, 505.001, 520}, {0, 0, 0.7, 0.7}};
+// Of the tables of what boundaries reflect (specular_albedo.h).
+constexpr double of_tables = 1e-3;
+
+Material matter(double reflectance) {
+  Material material;
+  material.specular = 0;
+  material.double_sided = true;
+  material.reflectance = {{200, 800}, {reflectance, reflectance}};
+  return material;
+}
+
+Material shining(double radiance) {
+  Material material = matter(0);
+  material.emissive = {1, 1, 1};
+  material.emission = {{200, 800}, {radiance, radiance}};
+  return material;
+}
+
+Material volume(double ior, bool absorbs = false) {
+  Material material = matter(1);
+  material.specular = 1;
+  material.roughness = 0;
+  material.ior = static_cast<float>(ior);
+  material.transmission = 1;
+  material.thickness_m = 1;
+  if (absorbs) material.absorption_per_m = absorption_per_m;
+  return material;
+}
+
+// A level square about (x, y, 0), seen from above.
+void add_level(Scene& scene, double x, double y, double half_x, const Material& material) {
+  constexpr double half_z = 50;
+  add_quad(scene, {x, y, 0}, {half_x, 0, 0}, {0, 0, -half_z}, add_material(scene, material));
+}
+
+World made_world(Scene scene, double sky, int depth, bool polarized = false) {
+  Lighting lighting;
+  lighting.light.bands = narrow_bands(2);
+  lighting.light.unit = LightUnit::watts;
+  lighting.depth = depth;
+  lighting.polarized = polarized;
+  if (sky > 0)
+    lighting.light.sky = made_sky(4, 2, 1, 2, [&](int, int, int, int, int) { return sky; });
+  return World(std::make_shared<const Scene>(std::move(scene)),
+               {.backend = backend_under_test, .lighting = lighting});
+}
+
+Eye looking(double theta_rad) {
+  return make_eye({std::sin(theta_rad), -std::cos(theta_rad), 0}, 0.0);
+}
+
+Result rendered(const World& world, const Eye& eye, const Mat4& pose, int rays) {
+  return render(Renderer(world, eye, {.sampling = Fixed{rays}}), std::vector<Mat4>{pose}, true);
+}
+
+// Reflectances of a boundary across the plane of incidence and in it (Born and Wolf 1.5.2).
+struct Fresnel {
+  double s, p;
+  double through() const { return 1 - (s + p) / 2; }
+};
+
+Fresnel fresnel(double theta_rad, double ior) {
+  const double c = std::cos(theta_rad), sine = std::sin(theta_rad) / ior;
+  if (sine >= 1) return {1, 1};
+  const double t = std::sqrt(1 - sine * sine);
+  const double s = (c - ior * t) / (c + ior * t), p = (ior * c - t) / (ior * c + t);
+  return {s * s, p * p};
+}
+
+// The part of light from all sides that a level surface lets in: 2 ∫ T(θ) cos θ sin θ dθ.
+double let_in(double ior) {
+  constexpr int steps = 20000;
+  double sum = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double theta = (k + 0.5) * pi / 2 / steps;
+    sum += fresnel(theta, ior).through() * std::sin(2 * theta) * pi / 2 / steps;
+  }
+  return sum;
+}
+
+// The bottom shines from some place on: rays meet it where Snell says, to a millimetre.
+TEST(Volumes, BendBySnell) {
+  const double height = 1, depth = 2;
+  for (const double theta : {0.0, 0.3, 0.8, 1.2, -0.6}) {
+    const double below = std::asin(std::sin(theta) / water);
+    const double x = height * std::tan(theta) + depth * std::tan(below);
+    for (const double off : {-1e-3, 1e-3}) {
+      Scene scene;
+      add_level(scene, 0, 0, 50, volume(water));
+      add_level(scene, x + off + 20, -depth, 20, shining(1));
+      const Result found =
+          rendered(made_world(scene, 0, 4), looking(theta), translation({0, height, 0}), 64);
+      EXPECT_EQ(found.response[0] > 0.2f, off < 0) << theta;
+    }
+  }
+}
+
+// L = T / n^2 exp(-a d) of what shines below, at the distance d along the bent ray.
+TEST(Volumes, DimByFresnelAndWhatTheyAbsorb) {
+  const double depth = 1.5;
+  for (const double theta : {0.0, 0.5, 1.0, 1.3}) {
+    Scene scene;
+    add_level(scene, 0, 0, 50, volume(water, true));
+    add_level(scene, 0, -depth, 50, shining(3));
+    const Result found =
+        rendered(made_world(scene, 0, 4), looking(theta), translation({0, 1, 0}), 1 << 14);
+    const double way = depth / std::cos(std::asin(std::sin(theta) / water));
+    for (std::size_t b = 0; b < 2; ++b) {
+      const double wanted = 3 * fresnel(theta, water).through() / (water * water) *
+                            std::exp(-absorption[b] * way);
+      EXPECT_NEAR(found.response[b], wanted,
+                  5 * static_cast<double>(found.standard_error[b]) + of_tables * wanted)
+          << theta << " band " << b;
+    }
+  }
+}
+
+// Light that comes up is polarised by (T_s - T_p) / (T_s + T_p), across its plane of exit: here
+// along z, which is the up of this eye, or across it.
+TEST(Volumes, PolariseWhatTheyLetThrough) {
+  for (const double theta : {0.4, 0.9272, 1.3}) {
+    Scene scene;
+    add_level(scene, 0, 0, 50, volume(water));
+    add_level(scene, 0, -1, 50, shining(1));
+    const Result found = rendered(made_world(scene, 0, 4, true), looking(theta),
+                                  translation({0, 1, 0}), 256);
+    const Fresnel r = fresnel(theta, water);
+    const double degree = ((1 - r.s) - (1 - r.p)) / ((1 - r.s) + (1 - r.p));
+    const auto stokes = [&](std::size_t k) {
+      return static_cast<double>(found.response[2 * k]) / static_cast<double>(found.response[0]);
+    };
+    EXPECT_NEAR(std::hypot(stokes(1), stokes(2)), std::abs(degree), 1e-5) << theta;
+  }
+}
+
+// From below the whole sky is in a window of asin(1 / n), n^2 times as bright less what is
+// reflected; outside of it all is reflected.
+TEST(Volumes, OpenAWindowFromBelow) {
+  Scene scene;
+  add_level(scene, 0, 0, 50, volume(water));
+  add_level(scene, 0, -3, 50, matter(0));
+  const World world = made_world(scene, 2, 4);
+  for (const double theta : {0.0, 0.4, 0.7, 0.83, 0.86, 1.2}) {
+    const Eye up = make_eye({std::sin(theta), std::cos(theta), 0}, 0.0);
+    const Result found = rendered(world, up, translation({0, -1, 0}), 1 << 12);
+    const double sine = water * std::sin(theta);
+    const double wanted =
+        sine < 1 ? 2 * water * water * fresnel(std::asin(sine), water).through() : 0;
+    // Near the edge the tables are read where they are steepest.
+    EXPECT_NEAR(found.response[0], wanted,
+                5 * static_cast<double>(found.standard_error[0]) + 4 * of_tables * wanted + 1e-6)
+        << theta;
+  }
+}
+
+// What gets to the bottom of an even sky, and of a disc, counted once: the flux that gets through
+// the surface, dimmed along the bent way.
+TEST(Volumes, LightTheirBottom) {
+  const double depth = 1, reflectance = 0.5;
+  Scene scene;
+  add_level(scene, 0, 0, 50, volume(water, true));
+  add_level(scene, 0, -depth, 50, matter(reflectance));
+  const Eye down = make_eye({0, -1, 0}, 0.0);
+  const Mat4 below = translation({0, -0.5, 0});
+
+  const Result of_sky = rendered(made_world(scene, 2, 1), down, below, 1 << 14);
+  const double wanted = 2 * reflectance * let_in(water);
+  EXPECT_NEAR(of_sky.response[0], wanted,
+              5 * static_cast<double>(of_sky.standard_error[0]) + 2 * of_tables * wanted);
+
+  Lighting lighting;
+  lighting.light.bands = narrow_bands(2);
+  lighting.light.unit = LightUnit::watts;
+  lighting.depth = 1;
+  const double theta = 1;
+  lighting.light.discs.push_back(
+      {.direction = to_float(Vec3d{std::sin(theta), std::cos(theta), 0}),
+       .angular_radius_rad = 0.005, .radiance = {1e4, 1e4},
+       .limb_darkening = {}});
+  const World sunny(std::make_shared<const Scene>(scene),
+                    {.backend = backend_under_test, .lighting = lighting});
+  const Result of_disc = rendered(sunny, down, below, 1 << 12);
+  const double flux = 1e4 * pi * std::pow(std::sin(0.005), 2) * std::cos(theta);
+  const double way = depth / std::cos(std::asin(std::sin(theta) / water));
+  for (std::size_t b = 0; b < 2; ++b) {
+    const double sunlit = reflectance / pi * flux * fresnel(theta, water).through() *
+                          std::exp(-absorption[b] * way);
+    EXPECT_NEAR(of_disc.response[b], sunlit,
+                5 * static_cast<double>(of_disc.standard_error[b]) + 2 * of_tables * sunlit)
+        << b;
+  }
+}
+
+// Where all is white, nothing absorbs and the sky is even, all shows the sky's radiance: what is
+// within a volume, over n^2, too.
+TEST(Volumes, KeepAWhiteFurnace) {
+  Scene pond;
+  add_level(pond, 0, 0, 50, volume(water));
+  add_level(pond, 0, -1, 50, matter(1));
+  std::vector<Vec3d> directions;
+  for (const Vec3d& d : sphere_directions(120))
+    if (d.y < -0.1) directions.push_back(d);
+  const Eye eye = make_eye(directions, 0.0);
+  const Result found = rendered(made_world(pond, 2, 200), eye, translation({0, 1, 0}), 4096);
+  for (std::size_t i = 0; i < found.response.size(); ++i)
+    EXPECT_NEAR(found.response[i], 2.0,
+                5 * static_cast<double>(found.standard_error[i]) + 4 * of_tables * 2)
+        << i;
+}
+
+// A ball of glass in an even sky is not seen.
+TEST(Volumes, KeepAFurnaceWithGlass) {
+  Scene scene;
+  Mesh ball;
+  ball.material = add_material(scene, volume(1.5));
+  const int rings = 48, around = 96;
+  for (int r = 0; r <= rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      const Vec3d d = from_azimuth_elevation(2 * pi * k / around, pi * (r - rings / 2.0) / rings);
+      ball.positions.push_back(to_float(d));
+      ball.normals.push_back(to_float(d));
+    }
+  const auto at = [&](int r, int k) { return static_cast<std::uint32_t>(r * around + k % around); };
+  for (int r = 0; r < rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      ball.triangles.push_back({at(r, k), at(r + 1, k), at(r + 1, k + 1)});
+      ball.triangles.push_back({at(r, k), at(r + 1, k + 1), at(r, k + 1)});
+    }
+  add_instance(scene, add_mesh(scene, ball));
+  std::vector<Vec3d> directions;
+  for (const double x : {0.0, 0.1, 0.2, 0.25}) directions.push_back({x, 0.03, -1});
+  const Result found = rendered(made_world(scene, 1, 200), make_eye(directions, 0.0),
+                                translation({0, 0, 3}), 1 << 14);
+  for (std::size_t i = 0; i < found.response.size(); ++i)
+    EXPECT_NEAR(found.response[i], 1.0,
+                5 * static_cast<double>(found.standard_error[i]) + 4 * of_tables)
+        << i;
+}
+
+// A fish below water is seen through the surface of one mesh and hidden by nothing; a disc of the
+// sky is not seen straight through it.
+TEST(Volumes, HideDiscsThatLieStraightOn) {
+  Scene scene;
+  add_level(scene, 0, 0, 50, volume(water));
+  add_level(scene, 0, -3, 50, matter(0));
+  Lighting lighting;
+  lighting.light.bands = narrow_bands(2);
+  lighting.light.unit = LightUnit::watts;
+  lighting.depth = 4;
+  lighting.light.discs.push_back(
+      {.direction = {0.6f, 0.8f, 0}, .angular_radius_rad = 0.02, .radiance = {100, 100},
+       .limb_darkening = {}});
+  const World world(std::make_shared<const Scene>(scene),
+                    {.backend = backend_under_test, .lighting = lighting});
+  const Mat4 below = translation({0, -1, 0});
+  const double sine = 0.6 / water;
+  const auto at = [&](double x) {
+    const Eye eye = make_eye({x, std::sqrt(1 - x * x), 0}, 0.02);
+    return rendered(world, eye, below, 4096);
+  };
+  EXPECT_EQ(at(0.6).response[0], 0);
+  // Its image is smaller by n^2 and brighter by as much: the mean over the acceptance stays.
+  const Result image = at(sine);
+  EXPECT_GT(image.response[0], 10);
+}
+
+TEST(Volumes, AreChecked) {
+  const auto refused = [](const auto& change) {
+    Scene scene;
+    Material material = volume(water);
+    change(material);
+    add_level(scene, 0, 0, 1, material);
+    EXPECT_THROW(made_world(scene, 1, 1), Error);
+  };
+  refused([](Material& m) { m.thickness_m = -1; });
+  refused([](Material& m) { m.metallic = 0.5f; });
+  refused([](Material& m) { m.clearcoat = 1; });
+  refused([](Material& m) { m.attenuation_color = {1, 2, 1}; });
+  refused([](Material& m) { m.attenuation_distance_m = 0; });
+  refused([](Material& m) { m.absorption_per_m = {{400, 500}, {1, -1}}; });
+}
+
+}  // namespace
+}  // namespace omma::test

@@ -1,0 +1,102 @@
+"""Water that one looks into: a pool against water as a surface, what it takes of light, and files.
+
+Closed forms of refraction are in the engine's tests: tests/cpp/render_volumes.cpp.
+"""
+
+import numpy as np
+import pytest
+from lit_checks import BAND, flat_spectrum, look, matter, shining, slanted, square
+
+import omma
+from omma.light import Light, uniform_sky
+from omma.light import water as under
+from omma.light.water_types import TURNED
+from omma.scene import water, water_volume
+
+N = 1.34
+BACKENDS = pytest.mark.parametrize("backend", ["embree", "portable"])
+WHITE_SKY = uniform_sky(1.0, bands=BAND, unit="watts")
+
+
+def pool(depth_m, bottom, surface):
+    """A wide pool whose surface is level at 0."""
+    return omma.Scene(
+        meshes=[
+            square(2000, (0, 0, 0), (0, 1, 0)),
+            square(2000, (0, -depth_m, 0), (0, 1, 0), material=1),
+        ],
+        materials=[surface, bottom],
+    )
+
+
+@BACKENDS
+@pytest.mark.parametrize("degrees", [0, 50, 75])
+def test_a_film_over_matter_is_what_water_of_no_depth_is(backend, degrees):
+    # One follows rays that bend, the other sums their returns up (docs/materials.md).
+    film = pool(1e-3, matter(0.5), water_volume("IB"))
+    sheet = omma.Scene(
+        meshes=[square(2000, (0, 0, 0), (0, 1, 0))],
+        materials=[water("IB", depth_m=0, bottom=flat_spectrum(0.5))],
+    )
+    found = [
+        look(omma.World(scene, light=WHITE_SKY, lighting="path", backend=backend), *slanted(degrees))
+        for scene in (film, sheet)
+    ]
+    (a, error_a), (b, error_b) = found
+    # Both by tables of what a boundary reflects, within 1e-3; at 75 degrees twice on the way.
+    assert np.all(np.abs(a - b) <= 4 * np.hypot(error_a, error_b) + 2e-3 * b)
+
+
+@BACKENDS
+def test_light_from_below_is_dimmed_by_what_the_water_takes(backend):
+    depth = 3.0
+    surface = water_volume("3C")
+    world = omma.World(
+        pool(depth, shining(1.0), surface), light=Light(BAND, "watts"), lighting="path",
+        backend=backend,
+    )  # fmt: skip
+    found, error = look(world, *slanted(0))
+    nm = np.linspace(500, 600, 101)
+    k = np.interp(nm, surface.absorption_per_m.wavelength_nm, surface.absorption_per_m.value)
+    through = (1 - ((N - 1) / (N + 1)) ** 2) / N**2
+    # One band is taken as one k, its mean.
+    expected = through * np.exp(-np.mean(k) * depth)
+    assert abs(found[0] - expected) <= 4 * error[0] + 2e-3 * expected
+
+
+def test_a_type_takes_what_is_absorbed_or_turned_away():
+    surface = water_volume("II")
+    a = surface.absorption_per_m
+    at = list(a.wavelength_nm).index(500.0)
+    measured = 0.066  # of the tables at 500 nm
+    scattered = 0.0292 * 0.8**1.7 + 0.174 * 0.8**0.3
+    molecules = 0.005826 * 0.8**4.322
+    assert a.value[at] == pytest.approx(measured + molecules + 0.109 * scattered, rel=1e-6)
+    assert surface.ior == pytest.approx(N)
+
+
+def test_what_particles_turn_away_is_that_of_their_phase_function():
+    angle = np.linspace(0, np.pi, 1801)
+    kept = 2 * np.pi * angle[1] * under._particle_phase(angle) @ np.sin(angle)
+    assert round(kept, 3) == TURNED
+
+
+def test_files_keep_it(tmp_path):
+    scene = pool(1.0, matter(0.3), water_volume("IB"))
+    omma.scene.save_scene(tmp_path / "pool.glb", scene)
+    again = omma.scene.load_scene(tmp_path / "pool.glb")
+    assert again.materials[0] == scene.materials[0]
+    assert again.materials[0].thickness_m == 1.0
+
+
+def test_bad_input():
+    with pytest.raises(omma.Error, match="kind: "):
+        water_volume("X")
+    with pytest.raises(omma.Error, match="refractive_index: "):
+        water_volume(refractive_index=1.0)
+    with pytest.raises(omma.Error, match="expected both or none"):
+        water_volume(absorption_per_m=flat_spectrum(0.1))
+    with pytest.raises(omma.Error, match="thickness_m: "):
+        omma.scene.Material(thickness_m=1.0, metallic=1.0)
+    with pytest.raises(omma.Error, match="attenuation_distance_m: "):
+        omma.scene.Material(attenuation_distance_m=0.0)
