@@ -494,7 +494,11 @@ class Material:
     The others say how it scatters light, as glTF 2.0 and its extensions do, and count in a
     world with a light only. By default it is rough matter, not the metal that glTF's own
     defaults are. ``ior`` is the index of refraction; ``specular`` (and its colour) a factor of
-    the reflection by it; ``transmission`` what goes straight through, ``diffuse_transmission``
+    the reflection by it; ``transmission`` what goes straight through, or bends
+    into a volume where ``thickness_m`` is above 0 (how far above does not count): then meshes
+    bound it, seen from outside by their front, and it absorbs by ``attenuation_color`` and
+    ``attenuation_distance_m`` or, in their place, ``absorption_per_m``, a spectrum in m⁻¹;
+    ``diffuse_transmission``
     what leaves a thin sheet scattered on its other side; ``clearcoat`` a second surface on it.
     ``reflectance`` and ``transmittance`` are spectra (`omma.light.Spectrum`, 0 to 1, together
     at most 1) in place of what RGB stands for, where the base colour has the relative
@@ -509,7 +513,7 @@ class Material:
     # Generated, not written; after a change to the bindings:
     # python -m nanobind.stubgen -m omma._core -p python/src/stub_patterns.txt -o python/omma/_core.pyi
 
-    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, clearcoat_normal_texture: int | TextureUse | None = None, clearcoat_normal_scale: float = 1.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None, boundary: BoundaryTable | None = None) -> None: ...
+    def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, emissive: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), emissive_texture: int | TextureUse | None = None, alpha_mode: str = 'opaque', alpha_cutoff: float = 0.5, double_sided: bool = False, unlit: bool = False, metallic: float = 0.0, roughness: float = 1.0, metallic_roughness_texture: int | TextureUse | None = None, normal_texture: int | TextureUse | None = None, normal_scale: float = 1.0, ior: float = 1.5, specular: float = 1.0, specular_texture: int | TextureUse | None = None, specular_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, transmission_texture: int | TextureUse | None = None, thickness_m: float = 0.0, attenuation_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), attenuation_distance_m: float | None = None, absorption_per_m: Spectrum | None = None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = 0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float = 0.0, clearcoat_roughness_texture: int | TextureUse | None = None, clearcoat_normal_texture: int | TextureUse | None = None, clearcoat_normal_scale: float = 1.0, reflectance: Spectrum | None = None, transmittance: Spectrum | None = None, spectral_luminance: float = 1.0, extra_reflectance: ExtraReflectance | None = None, emission: Spectrum | None = None, boundary: BoundaryTable | None = None) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -580,6 +584,21 @@ class Material:
     @property
     def transmission_texture(self, /) -> TextureUse | None:
         """A factor of ``transmission``: its red; linear."""
+
+    @property
+    def thickness_m(self) -> float: ...
+
+    @property
+    def attenuation_color(self, /) -> tuple[float, float, float]:
+        """Linear, what is left of white after ``attenuation_distance_m``."""
+
+    @property
+    def attenuation_distance_m(self, /) -> float | None:
+        """None: nothing is absorbed."""
+
+    @property
+    def absorption_per_m(self, /) -> Spectrum | None:
+        """Of the volume, m⁻¹."""
 
     @property
     def diffuse_transmission(self) -> float: ...

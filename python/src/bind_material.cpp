@@ -2,7 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
-#include <limits>
+#include <cmath>
 
 #include "model/scene_light.h"
 #include "scene_parts.h"
@@ -139,16 +139,15 @@ void bind_material(nb::module_& m) {
              nb::handle normal_texture, nb::handle normal_scale, nb::handle ior,
              nb::handle specular, nb::handle specular_texture, nb::handle specular_color,
              nb::handle specular_color_texture, nb::handle transmission,
-             nb::handle transmission_texture, nb::handle thickness_m,
-             nb::handle attenuation_color, nb::handle attenuation_distance_m,
-             nb::handle absorption_per_m, nb::handle diffuse_transmission,
-             nb::handle diffuse_transmission_factor_texture, nb::handle diffuse_transmission_color,
-             nb::handle diffuse_transmission_texture,
+             nb::handle transmission_texture, nb::handle thickness_m, nb::handle attenuation_color,
+             nb::handle attenuation_distance_m, nb::handle absorption_per_m,
+             nb::handle diffuse_transmission, nb::handle diffuse_transmission_factor_texture,
+             nb::handle diffuse_transmission_color, nb::handle diffuse_transmission_texture,
              nb::handle clearcoat, nb::handle clearcoat_texture, nb::handle clearcoat_roughness,
              nb::handle clearcoat_roughness_texture, nb::handle clearcoat_normal_texture,
-             nb::handle clearcoat_normal_scale, nb::handle reflectance,
-             nb::handle transmittance, nb::handle spectral_luminance, nb::handle extra_reflectance,
-             nb::handle emission, nb::handle boundary) {
+             nb::handle clearcoat_normal_scale, nb::handle reflectance, nb::handle transmittance,
+             nb::handle spectral_luminance, nb::handle extra_reflectance, nb::handle emission,
+             nb::handle boundary) {
             Material made;
             made.name = text_argument(name, "name");
             made.base_color = rgba_argument(base_color, "base_color");
@@ -180,7 +179,9 @@ void bind_material(nb::module_& m) {
                 texture_use_argument(transmission_texture, "transmission_texture");
             made.thickness_m = single(thickness_m, "thickness_m");
             made.attenuation_color = to_float(vec3d(attenuation_color, "attenuation_color"));
-            made.attenuation_distance_m = single(attenuation_distance_m, "attenuation_distance_m");
+            if (!attenuation_distance_m.is_none())
+              made.attenuation_distance_m =
+                  single(attenuation_distance_m, "attenuation_distance_m");
             made.absorption_per_m = spectrum_argument(absorption_per_m, "absorption_per_m");
             made.diffuse_transmission = single(diffuse_transmission, "diffuse_transmission");
             made.diffuse_transmission_factor_texture = texture_use_argument(
@@ -220,18 +221,17 @@ void bind_material(nb::module_& m) {
           nb::arg("specular_color_texture") = nb::none(), nb::arg("transmission") = 0.0,
           nb::arg("transmission_texture") = nb::none(), nb::arg("thickness_m") = 0.0,
           nb::arg("attenuation_color") = nb::make_tuple(1.0, 1.0, 1.0),
-          nb::arg("attenuation_distance_m") = std::numeric_limits<double>::infinity(),
-          nb::arg("absorption_per_m") = nb::none(), nb::arg("diffuse_transmission") = 0.0,
+          nb::arg("attenuation_distance_m") = nb::none(), nb::arg("absorption_per_m") = nb::none(),
+          nb::arg("diffuse_transmission") = 0.0,
           nb::arg("diffuse_transmission_factor_texture") = nb::none(),
           nb::arg("diffuse_transmission_color") = nb::make_tuple(1.0, 1.0, 1.0),
           nb::arg("diffuse_transmission_texture") = nb::none(), nb::arg("clearcoat") = 0.0,
           nb::arg("clearcoat_texture") = nb::none(), nb::arg("clearcoat_roughness") = 0.0,
           nb::arg("clearcoat_roughness_texture") = nb::none(),
           nb::arg("clearcoat_normal_texture") = nb::none(), nb::arg("clearcoat_normal_scale") = 1.0,
-          nb::arg("reflectance") = nb::none(),
-          nb::arg("transmittance") = nb::none(), nb::arg("spectral_luminance") = 1.0,
-          nb::arg("extra_reflectance") = nb::none(), nb::arg("emission") = nb::none(),
-          nb::arg("boundary") = nb::none(),
+          nb::arg("reflectance") = nb::none(), nb::arg("transmittance") = nb::none(),
+          nb::arg("spectral_luminance") = 1.0, nb::arg("extra_reflectance") = nb::none(),
+          nb::arg("emission") = nb::none(), nb::arg("boundary") = nb::none(),
           nb::sig(
               "def __init__(self, name: str = '', *, base_color: numpy.typing.ArrayLike = "
               "(1.0, 1.0, 1.0, 1.0), base_color_texture: int | TextureUse | None = None, "
@@ -245,8 +245,9 @@ void bind_material(nb::module_& m) {
               "specular_color_texture: int | TextureUse | None = None, transmission: float = 0.0, "
               "transmission_texture: int | TextureUse | None = None, thickness_m: float = 0.0, "
               "attenuation_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
-              "attenuation_distance_m: float = float('inf'), absorption_per_m: Spectrum | None = "
-              "None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | TextureUse | None = None, "
+              "attenuation_distance_m: float | None = None, absorption_per_m: Spectrum | None = "
+              "None, diffuse_transmission: float = 0.0, diffuse_transmission_factor_texture: int | "
+              "TextureUse | None = None, "
               "diffuse_transmission_color: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), "
               "diffuse_transmission_texture: int | TextureUse | None = None, clearcoat: float = "
               "0.0, clearcoat_texture: int | TextureUse | None = None, clearcoat_roughness: float "
@@ -316,7 +317,14 @@ void bind_material(nb::module_& m) {
           "attenuation_color", [](const Material& one) { return numbers(one.attenuation_color); },
           nb::for_getter(nb::sig("def attenuation_color(self, /) -> tuple[float, float, float]")),
           "Linear, what is left of white after ``attenuation_distance_m``.")
-      .def_ro("attenuation_distance_m", &Material::attenuation_distance_m)
+      .def_prop_ro(
+          "attenuation_distance_m",
+          [](const Material& one) -> nb::object {
+            if (std::isinf(one.attenuation_distance_m)) return nb::none();
+            return nb::float_(static_cast<double>(one.attenuation_distance_m));
+          },
+          nb::for_getter(nb::sig("def attenuation_distance_m(self, /) -> float | None")),
+          "None: nothing is absorbed.")
       .def_prop_ro(
           "absorption_per_m",
           [](const Material& one) { return spectrum_or_none(one.absorption_per_m); },

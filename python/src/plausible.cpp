@@ -101,7 +101,10 @@ void look_at(Quantity quantity, const std::string& name, const std::vector<float
   std::size_t outside = 0;
   double first = 0;
   for (const float value : values) {
-    if (!(value > 0) || (value >= range.least && value <= range.most)) continue;
+    // Limits are within, as floats have them.
+    if (!(value > 0) ||
+        (value >= static_cast<float>(range.least) && value <= static_cast<float>(range.most)))
+      continue;
     if (outside++ == 0) first = value;
   }
   if (outside == 0) return;

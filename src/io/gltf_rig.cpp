@@ -135,8 +135,8 @@ RigNode rig_node(const GltfContainer& gltf, const GltfNode& node, std::size_t ta
   return made;
 }
 
-// Gives meshes the shape that they have in the file; deformations that no animation changes are
-// dropped.
+// Gives meshes the shape that they have in the file. Deformations that no animation changes are
+// dropped, but those by bones of meshes whose own node moves: bones alone place what they bend.
 void shape_meshes(Rig& rig, const std::vector<int>& instances, Scene& scene) {
   const RigPose rest = eval_rig(rig, {}, 0);
   const std::vector<char> moves = nodes_that_move(rig);
@@ -157,7 +157,12 @@ void shape_meshes(Rig& rig, const std::vector<int>& instances, Scene& scene) {
     shape.positions.reserve(shape.positions.size() + 1);  // as the reader leaves them
     mesh.positions = std::move(shape.positions);
     mesh.normals = std::move(shape.normals);
-    if (is_animated(rig, deformation, moves)) animated.push_back(std::move(deformation));
+    const auto is_own = [&](const RigNode& node) { return node.file_node == instance.node; };
+    const auto own = std::find_if(rig.nodes.begin(), rig.nodes.end(), is_own);
+    const bool own_moves =
+        own != rig.nodes.end() && moves[static_cast<std::size_t>(own - rig.nodes.begin())] != 0;
+    if (is_animated(rig, deformation, moves) || (deformation.skin >= 0 && own_moves))
+      animated.push_back(std::move(deformation));
   }
   rig.deformations = std::move(animated);
 }

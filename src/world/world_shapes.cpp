@@ -5,6 +5,8 @@
 
 #include "model/animation.h"
 #include "model/deform.h"
+#include "model/pose_check.h"
+#include "omma/error.h"
 #include "omma/world.h"
 #include "threads/parallel.h"
 #include "world/world_state.h"
@@ -107,8 +109,16 @@ Moves moves_at(const BuiltScene& built, std::span<const int> animations, double 
   const RigPose pose = rig_pose_at(rig, animations, time_s);
   Moves moves;
   for (const Animated::Thing& animated : built.animated.things) {
+    const auto node = static_cast<std::size_t>(animated.node);
+    const std::string fault = pose_fault(pose.world_from_node[node]);
+    if (!fault.empty()) {
+      char time[32];
+      std::snprintf(time, sizeof time, "%.6g", time_s);
+      throw Error(std::string("animation at ") + time + " s, node \"" + rig.nodes[node].name +
+                  "\": " + fault);
+    }
     moves.instances.push_back(animated.thing);
-    moves.world_from_node.push_back(pose.world_from_node[static_cast<std::size_t>(animated.node)]);
+    moves.world_from_node.push_back(pose.world_from_node[node]);
   }
   run_in_arena(*built.threads.arena, [&] {
     for (const int index : built.animated.deformations) {

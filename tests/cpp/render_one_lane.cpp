@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "emulated/emulated_backend.h"
 #include "lit_squares.h"
@@ -16,6 +17,18 @@
 
 namespace omma::test {
 namespace {
+
+// A block that rays bend into and out of, and what it absorbs, before all else on one side.
+void add_block_of_glass(Scene& scene) {
+  Material glass;
+  glass.roughness = 0;
+  glass.transmission = 1;
+  glass.thickness_m = 1;
+  glass.absorption_per_m = {{400, 700}, {0.2, 1}};
+  Mesh block = cube_seen_from_inside(0.5, add_material(scene, glass));
+  for (auto& triangle : block.triangles) std::swap(triangle[1], triangle[2]);
+  add_instance(scene, add_mesh(scene, block), translation({-1.2, 0, -1}));
+}
 
 // Frames of a world as two backends render them.
 struct Case {
@@ -40,6 +53,9 @@ std::vector<Case> cases() {
       lit.lighting = lighting_of(components);
       all.push_back({"lit", squares(), lit, {.sampling = Fixed{samples}}});
       all.push_back({"lit, to an error", squares(), lit, {.sampling = ToError{0.02, 4}}});
+      Scene glassy = squares();
+      add_block_of_glass(glassy);
+      all.push_back({"lit, with glass", glassy, lit, {.sampling = Fixed{samples}}});
     }
   return all;
 }
@@ -97,6 +113,7 @@ World demanding_world(bool is_polarized, bool is_baked) {
   shining.double_sided = true;
   add_instance(scene, add_mesh(scene, quad({0, 1, -2}, {0.05, 0, 0}, {0, 0.05, 0},
                                            add_material(scene, shining))));
+  add_block_of_glass(scene);
   WorldSettings settings;
   Lighting lighting = lighting_of(is_polarized ? 3 : 1);
   lighting.light.emission_cd_m2 = 1e6;

@@ -252,6 +252,32 @@ def test_skins_bend_as_in_numpy(tmp_path, backend, influences):
     assert np.allclose(scene.meshes[0].positions_m @ node[:3, :3].T + node[:3, 3], rest, atol=1e-5)
 
 
+def test_the_node_of_a_skin_alone_moves_nothing(tmp_path, backend):
+    made = Builder()
+    positions, _, triangles = cube()
+    joints = made.accessor(np.zeros((24, 4)), "u1")
+    weights = made.accessor(np.tile([1.0, 0, 0, 0], (24, 1)))
+    mesh = made.mesh(positions, triangles, JOINTS_0=joints, WEIGHTS_0=weights)
+    bone = made.node(name="bone", translation=[0, 0, -3])
+    node = made.node(name="cube", mesh=mesh, skin=made.skin([bone]))
+    made.animation([(node, "translation", [0, 1], [[0, 0, 0], [1, 0, 0]], "LINEAR")])
+    world = omma.World(omma.load_scene(made.write(tmp_path / "still.gltf")), backend=backend)
+    world.at(0.5)
+    place = world.instances[0].world_from_node
+    seen = world.vertices(0) @ place[:3, :3].T + place[:3, 3]
+    assert np.allclose(seen, positions + [0, 0, -3], atol=1e-6)
+
+
+def test_an_animation_that_flattens_says_what_and_when(tmp_path):
+    made = Builder()
+    node = made.node(name="leaf", mesh=made.mesh(*cube()[::2]))
+    made.animation([(node, "scale", [0, 1], [[1, 1, 1], [0, 0, 0]], "LINEAR")])
+    world = omma.World(omma.load_scene(made.write(tmp_path / "flat.gltf")))
+    world.at(0.5)
+    with pytest.raises(omma.Error, match=r'animation at 1 s, node "leaf": .* found a scale of 0'):
+        world.at(1.0)
+
+
 def built_with(scene, world):
     """A world that was made with the meshes as they are in another one."""
     meshes = [mesh.replace(positions_m=world.vertices(k)) for k, mesh in enumerate(scene.meshes)]

@@ -154,7 +154,7 @@ def materials(draw):
         transmission_texture=draw(texture),
         thickness_m=draw(st.floats(0, 8, width=32)) if is_volume else 0,
         attenuation_color=draw(colors),
-        attenuation_distance_m=draw(st.floats(2**-10, 1e3, width=32) | st.just(np.inf)),
+        attenuation_distance_m=draw(st.floats(2**-10, 1e3, width=32) | maybe),
         absorption_per_m=draw(maybe | spectra(1e3)),
         diffuse_transmission=draw(fractions),
         diffuse_transmission_factor_texture=draw(texture),

@@ -83,7 +83,7 @@ def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
 def warn_of_unusual(eye: Eye) -> None:
     """Tell the caller of the package which numbers of an eye no animal has: slips of units,
     mostly."""
-    for sentence in (*_core.unusual_of(eye), *without_width(eye)):
+    for sentence in (*_core.unusual_of(eye), *without_width(eye), *radians_as_degrees(eye)):
         warn_caller(f"{eye.path or 'eye'}: {sentence}", UserWarning)
 
 
@@ -96,6 +96,24 @@ def without_width(eye: Eye) -> list[str]:
     return [
         f"the acceptance angle of {np.count_nonzero(none):,} of {len(eye):,} ommatidia is 0, that "
         f"of number {none.argmax()} first: each is one ray without width, which catches no photons"
+    ]
+
+
+def radians_as_degrees(eye: Eye) -> list[str]:
+    """What there is to tell of acceptance angles below those of any animal (0.24 degrees, of
+    dragonflies: Land 1997, Annu Rev Entomol 42:147) that as radians would fit between ommatidia."""
+    stated = eye.acceptance_angle_rad[(eye.acceptance_angle_rad > 0) & (eye.acceptance_of < 0)]
+    apart = eye.interommatidial_angle_rad()
+    apart = apart[np.isfinite(apart) & (apart > 0)]
+    if not (len(stated) and len(apart)):
+        return []
+    width_deg, apart_deg = np.degrees(np.median(stated)), np.degrees(np.median(apart))
+    meant_deg = np.degrees(width_deg)
+    if not (width_deg < 0.2 and 0.2 < meant_deg / apart_deg < 5):
+        return []
+    return [
+        f"acceptance angles are about {width_deg:.2g}°, less than any animal's, and ommatidia "
+        f"{apart_deg:.2g}° apart; {width_deg:.2g} rad would be {meant_deg:.2g}°"
     ]
 
 

@@ -98,9 +98,7 @@ def water(
             that do not reach over 400 to 700 nm or hold what cannot be.
     """
     n = within(refractive_index, "refractive_index", *_INDICES)
-    roughness = 0.0
-    if wind_m_per_s is not None or mean_square_slope is not None:
-        roughness = wave_roughness(wind_m_per_s, mean_square_slope=mean_square_slope)
+    roughness = _roughness(wind_m_per_s, mean_square_slope)
     nm, a, molecules, particles = _inside(kind, absorption_per_m, scattering_per_m)
     back = BACK * particles + molecules / 2
     below = _sent_up(back / (a + back))
@@ -122,6 +120,8 @@ def water(
 def water_volume(
     kind: str | None = None,
     *,
+    wind_m_per_s: float | None = None,
+    mean_square_slope: float | None = None,
     absorption_per_m: Spectrum | None = None,
     scattering_per_m: Spectrum | None = None,
     refractive_index: float = 1.34,
@@ -129,8 +129,9 @@ def water_volume(
     """Water that one looks into, as the material of its surface: a level mesh or one with waves,
     whose front is above.
 
-    What lies below is a part of the scene. Rays from the eye bend at the surface by Snell's law;
-    it mirrors and polarises as Fresnel says. The water takes
+    What lies below is a part of the scene. Rays from the eye bend at the surface by Snell's law, at
+    the facets of waves by theirs (`wave_roughness`); it mirrors and polarises as Fresnel says. The
+    water takes
 
         k = a + b of molecules + 0.109 b of particles
 
@@ -141,6 +142,8 @@ def water_volume(
     Args:
         kind: the water's type after Jerlov, as of `water`. None: "IB", unless it is given as
             measured.
+        wind_m_per_s: 12.5 m above the water, 0 to 14. 0 or None: its facets are those of the mesh.
+        mean_square_slope: of the waves, in all directions together, instead of a wind.
         absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``.
         scattering_per_m: b as measured. Up to what pure sea water scatters it is by molecules.
         refractive_index: n of the water, 1.3 to 1.4, for all wavelengths.
@@ -150,15 +153,16 @@ def water_volume(
         >>> scene = omma.scene.plane((8, 8)).replace(materials=[pool])
 
     Raises:
-        omma.Error: an unknown type, a number out of range, a or b alone or beside a type, spectra
-            that do not reach over 400 to 700 nm or hold what cannot be.
+        omma.Error: an unknown type, a number out of range, both a wind and slopes, a or b alone or
+            beside a type, spectra that do not reach over 400 to 700 nm or hold what cannot be.
     """
     n = within(refractive_index, "refractive_index", *_INDICES)
+    roughness = _roughness(wind_m_per_s, mean_square_slope)
     nm, a, molecules, particles = _inside(kind, absorption_per_m, scattering_per_m)
     return Material(
         "water" if absorption_per_m is not None else f"water {kind or 'IB'}",
         ior=n,
-        roughness=0.0,
+        roughness=roughness,
         transmission=1.0,
         thickness_m=1.0,
         absorption_per_m=Spectrum(nm, a + molecules + TURNED * particles),
@@ -199,6 +203,12 @@ def wave_roughness(
         wind = within(wind_m_per_s, "wind_m_per_s", 0, _MOST_WIND)
         mean_square = _CALM + _PER_WIND * wind if wind > 0 else 0.0
     return float(mean_square**0.25)
+
+
+def _roughness(wind_m_per_s: float | None, mean_square_slope: float | None) -> float:
+    if wind_m_per_s is None and mean_square_slope is None:
+        return 0.0
+    return wave_roughness(wind_m_per_s, mean_square_slope=mean_square_slope)
 
 
 def leaving(below: Floats, albedo: float, n: float) -> Floats:

@@ -219,6 +219,15 @@ OMMA_HD void lay_out_beside(Scratch& scratch, const FrameView& frame, BlockMemor
   scratch.used = discs.used > scratch.used ? discs.used : scratch.used;
 }
 
+OMMA_HD RayMedia lay_out_media(Scratch& scratch, int lanes) {
+  const auto count = static_cast<std::size_t>(lanes);
+  RayMedia media;
+  media.material = scratch.take<std::int32_t>(count);
+  media.entered = scratch.take<std::int32_t>(count);
+  media.from_m = scratch.take<float>(count);
+  return media;
+}
+
 // What a thread needs that goes through packets of so many lanes.
 OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
@@ -239,6 +248,9 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   }
   if (scene.light != nullptr) {
     PathMemory& paths = memory.paths;
+    if (scene.has_volumes)
+      for (SpectraMemory* rays : {static_cast<SpectraMemory*>(&paths), &paths.shadow})
+        rays->media = lay_out_media(scratch, lanes);
     // As WaitingPaths has scratch, which one lane has no need of.
     const bool by_band = mirrors_by_band(scene);
     if (lanes > 1) {

@@ -145,9 +145,9 @@ OMMA_HD_CALLED void trace_disc(const DiscTask& of, Search& search, const BlockMe
     write_disc_rays(of, set, begin, to);
     const LaneMask<L> asked = to.asked;
     if (!asked.any()) continue;
+    if (scene.has_volumes) begin_in<L>(memory.paths.shadow.media, seen_by_eye);
     const LaneMask<L> open =
-        dims ? trace_transmittance<L>(scene, search, asked, to.shadow, nullptr,
-                                      memory.paths.shadow)
+        dims ? trace_transmittance<L>(scene, search, asked, to.shadow, memory.paths.shadow)
              : asked & ~search_occluded(search, asked, to.shadow.rays);
     sums.any_open = sums.any_open || open.any();
     sums.any_hidden = sums.any_hidden || !(open == asked);

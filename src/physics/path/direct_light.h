@@ -74,7 +74,7 @@ OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightVi
     find_far<L>(light, lights.direction, lights.from_afar, lights.on_sky);
   find_far_pdf<L>(light, lights.direction, lights.on_sky, lights.from_afar, lights.density);
   if (lights.has_sky)
-    choose_nodes<L>(packet, state, Choice::place_on_light, lights.on_sky);
+    choose_nodes<L>(packet, state, Choice::place_on_light, lights.from_afar, lights.on_sky);
 
   // Lamps and surfaces that shine: lane by lane.
   lights.near.for_each([&](int l) {
@@ -105,9 +105,9 @@ OMMA_HD_CALLED LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
   }
   for (int l = 0; l < L::count; l += L::width)
     store(shadow.rays.t_far_m + l, load<F>(lights.distance_m + l) * up_to_light);
+  if (flight.scene.has_volumes) begin_in<L>(flight.memory.shadow.media, flight.memory.media);
   if (lets_through(flight.scene))
-    return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, &flight.state.media,
-                                  flight.memory.shadow);
+    return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, flight.memory.shadow);
   return lanes & ~search_occluded(flight.search, lanes, shadow.rays);
 }
 

@@ -75,8 +75,9 @@ OMMA_HD LaneMask<L> find_hidden(const Flight<L, Search>& flight, const GatherLan
     store_vector(way, l, towards);
   }
   leave_surfaces<L>(geometry, way, look.rays);
+  if (scene.has_volumes) begin_in<L>(flight.memory.shadow.media, no_medium);
   return lets_through(scene) ? lanes & ~trace_transmittance<L>(scene, flight.search, lanes, look,
-                                                               nullptr, flight.memory.shadow)
+                                                               flight.memory.shadow)
                              : search_occluded(flight.search, lanes, look.rays);
 }
 

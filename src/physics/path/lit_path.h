@@ -98,40 +98,6 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
-// What volumes absorb of the light from what some lanes met.
-template <typename L, typename Search>
-OMMA_HD void pass_media(const Flight<L, Search>& flight, const LitSurface<L>& surface,
-                        const ScatteringPacket<L>& points, LaneMask<L> met) {
-  alignas(L::count * 4) float cosine[L::count];
-  for (int l = 0; l < L::count; l += L::width) store(cosine + l, points.point[l / L::width].o.z);
-  absorb(flight.scene, flight.state.media, surface,
-         {met, points.bends, flight.packet.rays.t_far_m, cosine}, flight.memory.throughput);
-}
-
-// What rays are in that go on: straight, bent, or scattered, the others.
-template <typename L, typename Search>
-OMMA_HD void leave_media(const Flight<L, Search>& flight, const LitSurface<L>& surface,
-                         LaneMask<L> by, LaneMask<L> bent) {
-  Media<L>& media = flight.state.media;
-  (~by & ~bent).for_each([&](int l) { media.entered[l] = 0, media.from_m[l] = 0; });
-  (by | bent).for_each([&](int l) {
-    pass_boundary(surface, l, flight.packet.rays.t_far_m[l], by.has(l), media);
-  });
-}
-
-// The next rays of paths that were bent: they stay rays from the eye, but find discs of the sky by
-// themselves.
-template <typename L, typename Search>
-OMMA_HD void bend_rays(const Flight<L, Search>& flight, LaneMask<L> bent,
-                       const HitGeometry<L>& geometry, const ScatteringSample<L>& sample) {
-  bent.for_each([&](int l) {
-    flight.packet.acceptance_sr[l] = 0;
-    flight.state.seen_m[l] = 0;
-    flight.passed->count[l] = 0;
-  });
-  leave_surfaces<L>(geometry, sample.direction, bent, flight.packet.rays);
-}
-
 // Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
 // Returns the lanes that go on.
 template <typename L, typename Search>
@@ -153,7 +119,7 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
   if (flight.scene.has_volumes)
     bent = on & lanes_where<L>([&](int l) { return load<I>(sample.lobe + l) == refracted; });
   const LaneMask<L> scattered = play_roulette(flight, on & ~by & ~bent, sample, most);
-  if (flight.scene.has_volumes) leave_media(flight, surface, by, bent);
+  if (flight.scene.has_volumes) leave_media(flight, surface, by, bent, scattered);
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
   scatter_rays(flight, scattered, geometry, sample);
   if (bent.any()) bend_rays(flight, bent, geometry, sample);
@@ -172,7 +138,12 @@ OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMa
   ScatteringSample<L> sample;
   sample_scattering<L>(flight.packet, flight.state, points, on & ~by, sample);
   by.for_each([&](int l) { sample.lobe[l] = let_by; });
-  if (points.bends.any()) refract_rays<L>(points, sample);
+  if (points.bends.any()) refract_rays(flight, points, sample);
+  const SceneView& scene = flight.scene;
+  if (scene.depth > 0 && scene.has_glass)
+    (on & at_full_depth(scene, flight.state) & ~goes_straight<L>(sample)).for_each([&](int l) {
+      if (sample.lobe[l] != refracted) sample.lobe[l] = no_lobe;
+    });
   if (has_air(flight.scene) && flight.passed != nullptr)
     undo_air(flight, on & goes_straight<L>(sample));
   return continue_paths(flight, on, geometry, surface, points, sample);
@@ -227,11 +198,13 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
   if (missed.any()) add_far(flight, missed, far);
   if (!met.any()) return {};
 
-  // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end.
+  // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end
+  // but where light goes straight through.
   const LaneMask<L> by =
       scene.has_blend ? choose_let_by(packet, state, surface, met) : LaneMask<L>{};
-  on = scene.depth > 0 ? met & (by | ~at_full_depth(scene, state)) : met;
-  const LaneMask<L> scattering = on & ~by;
+  const LaneMask<L> ending = scene.depth > 0 ? at_full_depth(scene, state) : LaneMask<L>{};
+  on = scene.has_glass ? met : met & (by | ~ending);
+  const LaneMask<L> scattering = met & ~by & ~ending;
   const LaneMask<L> reads = is_baked ? find_read(flight, baked, scattering) : LaneMask<L>{};
   if (reads.any()) eval_baked(flight, baked, geometry, surface, reads);
   ScatteringPacket<L> points;

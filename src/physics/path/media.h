@@ -23,48 +23,55 @@
 
 namespace omma {
 
-// Which volume the rays of a packet are in, [lane].
-template <typename L>
-struct Media {
-  static constexpr int n = L::count;
-  alignas(n * 4) std::int32_t material[n];  // of its boundary; -1: none that is known
-  alignas(n * 4) std::int32_t entered[n];   // 1 where the ray has gone straight into it, else 0
-  float from_m[n];                          // up to where along the ray what it absorbs has counted
-};
+// In place of a medium's material: none that is known; and of rays from the eye that must not bend,
+// for which boundaries hide what lies straight on.
+inline constexpr std::int32_t no_medium = -1, seen_by_eye = -2;
 
+// Rays begin.
 template <typename L>
-OMMA_HD void clear(Media<L>& media) {
+OMMA_HD void begin_in(const RayMedia& media, std::int32_t material) {
   for (int l = 0; l < L::count; ++l) {
-    media.material[l] = -1;
+    media.material[l] = material;
     media.entered[l] = 0;
     media.from_m[l] = 0;
   }
 }
 
-// The ray of a lane goes on past what it met at t_far_m: straight, or bent, from there.
+// Rays begin in what others are in.
 template <typename L>
-OMMA_HD void pass_boundary(const LitSurface<L>& surface, int lane, float t_far_m, bool straight,
-                           Media<L>& media) {
-  const std::int32_t volume = surface.volume[lane];
-  if (volume != 0) {
-    media.material[lane] = volume > 0 ? surface.material[lane] : -1;
-    media.entered[lane] = volume > 0 && straight ? 1 : 0;
-  }
-  media.from_m[lane] = straight ? t_far_m : 0;
+OMMA_HD void begin_in(const RayMedia& media, const RayMedia& others) {
+  begin_in<L>(media, no_medium);
+  for (int l = 0; l < L::count; ++l) media.material[l] = others.material[l];
+}
+
+// Rays of some lanes go on past what they met at t_far_m, bent there, or straight on.
+template <typename L>
+OMMA_HD_CALLED void pass_boundaries(const LitSurface<L>& surface, LaneMask<L> straight,
+                                    LaneMask<L> bent, const float (&t_far_m)[L::count],
+                                    const RayMedia& media) {
+  (straight | bent).for_each([&](int l) {
+    const std::int32_t volume = surface.volume[l];
+    const bool is_straight = straight.has(l);
+    if (volume != 0) {
+      media.material[l] = volume > 0 ? surface.material[l] : no_medium;
+      media.entered[l] = volume > 0 && is_straight ? 1 : 0;
+    }
+    media.from_m[l] = is_straight ? t_far_m[l] : 0;
+  });
 }
 
 // By what light that goes through boundaries changes as radiance: of lanes from l on, some of which
-// bend.
+// bend. 0 where nothing may go straight on.
 template <typename L, typename Mask>
-OMMA_HD typename L::F radiance_scale(const LitSurface<L>& surface, const Media<L>& media, int l,
+OMMA_HD typename L::F radiance_scale(const LitSurface<L>& surface, const RayMedia& media, int l,
                                      Mask bends) {
   using F = typename L::F;
   using I = typename L::I;
   const I volume = load<I>(surface.volume + l);
   const F one = broadcast<F>(1.0f), n = load<F>(surface.ior + l);
   const auto leaves = volume < 0 && (bends || load<I>(media.entered + l) > 0);
-  const F out = leaves ? n * n : one;
-  return volume > 0 ? one / (n * n) : out;
+  const F out = leaves ? n * n : one, scale = volume > 0 ? one / (n * n) : out;
+  return volume != 0 && load<I>(media.material + l) == seen_by_eye ? F{} : scale;
 }
 
 // Rays to what was met, [lane]: how far that is, the cosine to its normal, and which of them come
@@ -79,7 +86,7 @@ struct VolumeRays {
 // Multiplies `throughput` [band][lane] of some lanes by what volumes leave of light on the way to
 // what was met.
 template <typename L>
-OMMA_HD_CALLED void absorb(const SceneView& scene, const Media<L>& media,
+OMMA_HD_CALLED void absorb(const SceneView& scene, const RayMedia& media,
                            const LitSurface<L>& surface, const VolumeRays<L>& rays,
                            float* throughput) {
   constexpr int n = L::count;
@@ -95,6 +102,20 @@ OMMA_HD_CALLED void absorb(const SceneView& scene, const Media<L>& media,
     for (int b = 0; b < scene.bands; ++b)
       throughput[b * n + l] *=
           left_by_depth(scene.scatter[material].absorption_per_m[b] * way_m);
+  });
+}
+
+// What volumes leave, of lights within them, on the last part of the way, to t_far_m.
+template <typename L>
+OMMA_HD_CALLED void absorb_to_end(const SceneView& scene, const RayMedia& media, LaneMask<L> lanes,
+                                  const float (&t_far_m)[L::count], float* throughput) {
+  lanes.for_each([&](int l) {
+    if (media.material[l] < 0 || !(t_far_m[l] < INFINITY)) return;
+    const float* const absorption_per_m = scene.scatter[media.material[l]].absorption_per_m;
+    if (absorption_per_m == nullptr) return;
+    const float way_m = t_far_m[l] - media.from_m[l];
+    for (int b = 0; b < scene.bands; ++b)
+      throughput[b * L::count + l] *= left_by_depth(absorption_per_m[b] * way_m);
   });
 }
 

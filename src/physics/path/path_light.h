@@ -8,16 +8,23 @@
 
 namespace omma {
 
-// One node of the sky for each of a packet's directions; `choice`: for what it is sampled.
+// One node of the sky for each direction of some lanes of a packet; `choice`: for what it is
+// sampled.
 template <typename L>
 OMMA_HD void choose_nodes(const Packet<L>& packet, const PathState<L>& state, Choice choice,
-                          SkyLookups<L>& places) {
+                          LaneMask<L> lanes, SkyLookups<L>& places) {
   using U = typename L::U;
-  for (int l = 0; l < L::count; l += L::width)
-    choose_node(places[l / L::width],
+  for (int l = 0; l < L::count; l += L::width) {
+    auto& place = places[l / L::width];
+    auto chosen = place;
+    choose_node(chosen,
                 mix_bits_32(load<U>(packet.hash + l) + load<U>(packet.sample + l) * 0x9e3779b9u +
                             load<U>(state.flight + l) * 0x85ebca6bu +
                             (static_cast<std::uint32_t>(choice) + 1u) * 0x68bc21ebu));
+    const auto is = lanes.at(l);
+    place.along_column = is ? chosen.along_column : place.along_column;
+    place.along_row = is ? chosen.along_row : place.along_row;
+  }
 }
 
 // The reference axis of light from afar in a direction (omma/light.h).
@@ -113,7 +120,7 @@ struct FarLookups {
   SkyLookups<L> on_sky;
   LaneMask<L> by_chance;  // lanes whose direction was sampled
   LaneMask<L> keeps;      // lanes of whose light more than I counts
-  bool at_nodes;          // of the sky, else between them
+  bool at_nodes;          // of the sky alone, else some lanes' are between them
 };
 
 template <typename L, typename Search>
@@ -127,8 +134,9 @@ OMMA_HD_CALLED void look_up_far(const Flight<L, Search>& flight, LaneMask<L> lan
       lanes & lanes_where<L>([&](int l) { return load<F>(state.density + l) < INFINITY; });
   far.at_nodes = far.by_chance == lanes;
   find_far<L>(*scene.light, flight.packet.rays.direction, lanes, far.on_sky);
+  if (far.by_chance.any())
+    choose_nodes<L>(flight.packet, state, Choice::light, far.by_chance, far.on_sky);
   if (!far.at_nodes) return;
-  choose_nodes<L>(flight.packet, state, Choice::light, far.on_sky);
   fetch_sky_nodes<L>(scene.light->sky, lanes, far.keeps, far.on_sky);
 }
 

@@ -5,22 +5,10 @@
 
 #include "physics/lanes/vector3.h"
 #include "physics/path/path_light.h"
+#include "physics/path/refraction.h"
 #include "physics/path/scattered.h"
 
 namespace omma {
-
-// The surfaces that a packet met, as they scatter light.
-template <typename L>
-struct ScatteringPacket {
-  using F = typename L::F;
-  static constexpr int vectors = L::count / L::width;
-  ScatterPoint<F> point[vectors];
-  F diffuse_q[vectors], diffuse_u[vectors];  // Q, U over I of the diffuse lobes' light
-  F weight[vectors][lobe_count];  // probability of each lobe for the way on
-  alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
-  LaneMask<L> bends;              // from the eye, at the boundary of a volume
-  LaneMask<L> samples_all;        // whose light is sampled of SceneView::all_lights
-};
 
 // Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
 // vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
@@ -74,55 +62,6 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight,
       }
     });
   }
-}
-
-// In place of a lobe: none, where a path ends; past the surface, which let the light by; through the
-// boundary of a volume, at which the ray bends.
-inline constexpr std::int32_t no_lobe = -1, let_by = -2, refracted = -3;
-
-// Where the packet's paths go on, [lane]: a lobe of the surface, and a direction of it.
-template <typename L>
-struct ScatteringSample {
-  static constexpr int n = L::count;
-  alignas(n * 4) float direction[3][n];
-  alignas(n * 4) float density[n];   // 0 where the path ends
-  alignas(n * 4) float roulette[n];  // a number in (0, 1)
-  alignas(n * 4) std::int32_t lobe[n];
-  Scattered<L> by;  // of the lobe that was chosen alone, over the density
-  LaneMask<L> samples_all;  // as ScatteringPacket's
-};
-
-// What is different of surfaces that bound volumes, of lanes from l on. Within, light is reflected
-// as the ray leaves by Snell's law: E there is that of the angle outside, and 1 where all is
-// reflected. Mirror images within are the bent rays' own (refract_rays), not sampled of lights.
-template <typename L, typename Search>
-OMMA_HD_CALLED void make_boundary_point(const Flight<L, Search>& flight,
-                                        const LitSurface<L>& surface, int l,
-                                        ScatteringPacket<L>& scattering) {
-  using F = typename L::F;
-  using I = typename L::I;
-  ScatterPoint<F>& point = scattering.point[l / L::width];
-  const I volume = load<I>(surface.volume + l);
-  const auto is_back = volume < 0 && load<I>(surface.material + l) >= 0;
-  const auto is_front = volume > 0 && load<I>(surface.material + l) >= 0;
-  const F least = broadcast<F>(flight.state.gathers ? INFINITY : 0.0f);
-  const auto from_eye = !(load<F>(flight.state.density + l) < INFINITY) && least < INFINITY;
-  const auto bends = from_eye && (is_back || is_front);
-  scattering.bends.bits |= lane_bits(bends) << l;
-  if (!any_lane(is_back || is_front)) return;
-  const F n = load<F>(surface.ior + l), one = broadcast<F>(1.0f);
-  if (any_lane(is_back)) {
-    const F cos_2 = one - n * n * (one - point.o.z * point.o.z);
-    const F cosine = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
-    const F albedo = point.dielectric * eval_albedo(point.albedo_tables, point.boundary.row, cosine);
-    const F through = (one - albedo) * load<F>(surface.transmission + l);
-    point.ior = is_back ? one / n : point.ior;
-    point.dielectric_albedo = is_back ? albedo : point.dielectric_albedo;
-    point.straight = is_back && bends ? through : point.straight;
-    point.dielectric = is_back && bends ? F{} : point.dielectric;
-  }
-  const F scale = radiance_scale(surface, flight.state.media, l, bends);
-  point.straight = point.straight * (is_back || is_front ? scale : one);
 }
 
 template <typename L, typename Search>
@@ -257,62 +196,6 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
     store(sample.density + l, is_straight ? load<F>(state.density + l) : own);
     const auto goes_on = lanes.at(l) && chosen.probability > 0.0f;
     store(sample.lobe + l, goes_on ? chosen.lobe : chosen.lobe * 0 + no_lobe);
-  }
-}
-
-// Rays from the eye at boundaries of volumes: what was to go straight on bends by Snell's law,
-//
-//   t = d / η + (cos θ / η - cos θ') n,   sin θ' = sin θ / η,   η = n' / n
-//
-// (Born and Wolf 1999, 1.5.1), and within it what is reflected is an exact mirror image. Both stay
-// rays from the eye, by a Mueller matrix of their own; light that gets through is what is not
-// reflected of each polarisation.
-template <typename L>
-OMMA_HD_CALLED void refract_rays(const ScatteringPacket<L>& points, ScatteringSample<L>& sample) {
-  using F = typename L::F;
-  using I = typename L::I;
-  for (int l = 0; l < L::count; l += L::width) {
-    const ScatterPoint<F>& p = points.point[l / L::width];
-    const I lobe = load<I>(sample.lobe + l);
-    const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
-    const auto through = points.bends.at(l) && is(Lobe::straight);
-    const auto back = points.bends.at(l) && is(Lobe::dielectric) && p.ior < 1.0f;
-    if (!any_lane(through || back)) continue;
-
-    const F cosine = size_of_cosine(p.o.z), one = broadcast<F>(1.0f), per_ior = one / p.ior;
-    const F cos_2 = one - (one - cosine * cosine) * (per_ior * per_ior);
-    const F beyond = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
-    const Vector3<F> d = p.direction;
-    const Vector3<F> bent = normalize(d * per_ior + p.normal * (cosine * per_ior - beyond));
-    const Vector3<F> mirrored = normalize(d + p.normal * (2.0f * cosine));
-    const F bent_side = dot(bent, p.geometric_normal), side = dot(mirrored, p.geometric_normal);
-    const auto bends = through && cos_2 > 0.0f && bent_side < 0.0f;
-    const auto reflects = back && side > 0.0f;
-    const auto ends = (through || back) && !(bends || reflects);
-
-    const Amplitudes<F> r = fresnel_dielectric(cosine, p.ior);
-    const F s = one - r.s * r.s, q = one - r.p * r.p, sum = s + q;
-    const F per_sum = one / (sum > 0.0f ? sum : one), product = s * q;
-    const Mueller<F> mirror = mueller_of(r);
-    const F albedo = p.dielectric_albedo / points.weight[l / L::width][2];
-    const F per_a = albedo / (mirror.a > 0.0f ? mirror.a : one);
-    const auto set = [&](float* at, auto which, F value) {
-      store(at, which ? value : load<F>(at));
-    };
-    // Of what is refracted these are over its first element, which is in the throughput.
-    set(sample.by.dielectric[1] + l, bends, (s - q) * per_sum);
-    set(sample.by.dielectric[2] + l, bends,
-        2.0f * sqrt_lanes(product > 0.0f ? product : F{}) * per_sum);
-    set(sample.by.dielectric[0] + l, reflects, albedo);
-    set(sample.by.dielectric[1] + l, reflects, mirror.b * per_a);
-    set(sample.by.dielectric[2] + l, reflects, mirror.c * per_a);
-    set(sample.by.half_cosine + l, reflects, cosine);
-    const Vector3<F> before = load_vector<F>(sample.direction, l);
-    store_vector(sample.direction, l,
-                 without_noise(select(bends, bent, select(reflects, mirrored, before))));
-    set(sample.density + l, reflects, broadcast<F>(INFINITY));
-    const I gone = lobe * 0 + no_lobe, on = lobe * 0 + refracted;
-    store(sample.lobe + l, bends ? on : ends ? gone : lobe);
   }
 }
 

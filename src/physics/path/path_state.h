@@ -39,8 +39,7 @@ struct PathState {
   alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
   // Whether the last surface sampled SceneView::all_lights, 0 or 1; read where there are such.
   alignas(n * 4) std::int32_t sampled_all[n];
-  float seen_m[n];                        // up to where along the ray splats have been seen
-  Media<L> media;                         // what rays are in; read where SceneView::has_volumes
+  float seen_m[n];  // up to where along the ray splats have been seen
   // Whether rays begin at a surface and gather what scattered light comes there: they see neither
   // discs nor what shines until they have met another surface.
   bool gathers = false;
@@ -56,7 +55,7 @@ OMMA_HD void reset_paths(const SceneView& scene, PathState<L>& state, const Path
     state.scatterings[l] = state.flight[l] = state.sampled_all[l] = 0;
     state.seen_m[l] = 0;
   }
-  if (scene.has_volumes) clear<L>(state.media);
+  if (scene.has_volumes) begin_in<L>(memory.media, no_medium);
   if (!scene.polarized) return;
   for (int k = 0; k < 9; ++k)
     for (int l = 0; l < n; ++l) state.mueller[k][l] = k % 4 == 0 ? 1.0f : 0.0f;

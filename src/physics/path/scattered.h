@@ -1,6 +1,8 @@
-// What the lobes of surfaces that were met make of light of one direction, in each band.
+// What the lobes of surfaces that were met make of light of one direction, in each band; and where
+// paths go on from them.
 #pragma once
 
+#include "physics/lanes/lane_mask.h"
 #include "physics/surface/boundary_table.h"
 #include "physics/surface/scatter.h"
 #include "physics/views/path_memory.h"
@@ -108,5 +110,34 @@ template <typename F>
 OMMA_HD F all_lobes(const LobeValues<F>& by, const BandColor<F>& color, F metal) {
   return diffuse_lobes(by, color) + by.dielectric * dielectric_tint(by, color) + by.coat + metal;
 }
+
+// The surfaces that a packet met, as they scatter light.
+template <typename L>
+struct ScatteringPacket {
+  using F = typename L::F;
+  static constexpr int vectors = L::count / L::width;
+  ScatterPoint<F> point[vectors];
+  F diffuse_q[vectors], diffuse_u[vectors];               // Q, U over I of the diffuse lobes' light
+  F weight[vectors][lobe_count];                          // probability of each lobe for the way on
+  alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
+  LaneMask<L> bends;        // from the eye, at the boundary of a volume
+  LaneMask<L> samples_all;  // whose light is sampled of SceneView::all_lights
+};
+
+// In place of a lobe: none, where a path ends; past the surface, which let the light by; through
+// the boundary of a volume, at which the ray bends.
+inline constexpr std::int32_t no_lobe = -1, let_by = -2, refracted = -3;
+
+// Where the packet's paths go on, [lane]: a lobe of the surface, and a direction of it.
+template <typename L>
+struct ScatteringSample {
+  static constexpr int n = L::count;
+  alignas(n * 4) float direction[3][n];
+  alignas(n * 4) float density[n];   // 0 where the path ends
+  alignas(n * 4) float roulette[n];  // a number in (0, 1)
+  alignas(n * 4) std::int32_t lobe[n];
+  Scattered<L> by;          // of the lobe that was chosen alone, over the density
+  LaneMask<L> samples_all;  // as ScatteringPacket's
+};
 
 }  // namespace omma

@@ -23,28 +23,35 @@ OMMA_HD F passing(F alpha, F straight, F reflectance) {
   return (1.0f - alpha) + alpha * straight * reflectance;
 }
 
+// The same of what volumes absorb before surfaces that rays of some lanes met.
+template <typename L>
+OMMA_HD_CALLED void dim_by_volumes(const SceneView& scene, const RayPacket<L::count>& rays,
+                                   const LitSurface<L>& surface, LaneMask<L> dimmed,
+                                   const SpectraMemory& memory) {
+  using F = typename L::F;
+  alignas(L::count * 4) float cosine[L::count];
+  for (int l = 0; l < L::count; l += L::width) {
+    const auto normal = load_vector<F>(surface.normal, l), d = load_vector<F>(rays.direction, l);
+    store(cosine + l, dimmed.at(l) ? size_of_cosine(dot(normal, d)) : broadcast<F>(1.0f));
+  }
+  absorb(scene, memory.media, surface, {dimmed, {}, rays.t_far_m, cosine}, memory.throughput);
+}
+
 // Multiplies what has come through so far, memory.throughput, by what surfaces that shadow rays of
-// some lanes met leave of it, and volumes before them. `media`: what the rays are in; null: of rays
-// from the eye, for which boundaries where rays bend hide what lies straight on. Returns the lanes
-// for which enough is left.
+// some lanes met leave of it. Returns the lanes for which enough is left.
 template <typename L>
 OMMA_HD_CALLED LaneMask<L> dim_light(const SceneView& scene, const Packet<L>& shadow,
                                      const LitSurface<L>& surface, LaneMask<L> dimmed,
-                                     const Media<L>* media, const SpectraMemory& memory) {
+                                     const SpectraMemory& memory) {
   using F = typename L::F;
-  using I = typename L::I;
   float* const transmittance = memory.throughput;
-  alignas(L::count * 4) float cosine[L::count];
+  if (scene.has_volumes) dim_by_volumes<L>(scene, shadow.rays, surface, dimmed, memory);
   LaneMask<L> bright;
   for (int l = 0; l < L::count; l += L::width) {
     auto point = make_scatter_point(scatter_surface<L>(scene, shadow.rays, surface, l));
-    if (scene.has_volumes) {
-      store(cosine + l, point.o.z);
-      const F zero{};
-      const F scale = media != nullptr ? radiance_scale(surface, *media, l, zero > 0.0f)
-                                       : keep(load<I>(surface.volume + l) == 0, zero + 1.0f);
-      point.straight = point.straight * scale;
-    }
+    const F zero{};
+    if (scene.has_volumes)
+      point.straight = point.straight * radiance_scale(surface, memory.media, l, zero > zero);
     const auto dims = dimmed.at(l);
     F most{};
     for (int b = 0; b < scene.bands; ++b) {
@@ -57,8 +64,6 @@ OMMA_HD_CALLED LaneMask<L> dim_light(const SceneView& scene, const Packet<L>& sh
     }
     bright.bits |= lane_bits(most > least_passing) << l;
   }
-  if (scene.has_volumes && media != nullptr)
-    absorb(scene, *media, surface, {dimmed, {}, shadow.rays.t_far_m, cosine}, transmittance);
   return bright;
 }
 
@@ -85,34 +90,12 @@ OMMA_HD_CALLED void dim_by_splats(const SceneView& scene, Search& search, LaneMa
     }
 }
 
-// What volumes leave, of lights within them, on the last part of the way, to t_far_m.
-template <typename L>
-OMMA_HD void absorb_to_end(const SceneView& scene, const Media<L>& media, LaneMask<L> lanes,
-                           const float (&t_far_m)[L::count], float* throughput) {
-  lanes.for_each([&](int l) {
-    if (media.material[l] < 0 || !(t_far_m[l] < INFINITY)) return;
-    const float* const absorption_per_m = scene.scatter[media.material[l]].absorption_per_m;
-    if (absorption_per_m == nullptr) return;
-    const float way_m = t_far_m[l] - media.from_m[l];
-    for (int b = 0; b < scene.bands; ++b)
-      throughput[b * L::count + l] *= left_by_depth(absorption_per_m[b] * way_m);
-  });
-}
-
 // Shadow rays past what lets light straight through: the transmittance of the way, by band,
-// is memory.throughput. `from`: what they begin in; null: they are rays from the eye. Returns the
-// lanes that reach their light.
+// is memory.throughput. They begin in memory.media. Returns the lanes that reach their light.
 template <typename L, typename Search>
 OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& search,
                                                LaneMask<L> lanes, Packet<L>& shadow,
-                                               const Media<L>* from,
                                                const SpectraMemory& memory) {
-  Media<L> media;
-  const bool follows_media = scene.has_volumes && from != nullptr;
-  if (follows_media) {
-    clear(media);
-    for (int l = 0; l < L::count; ++l) media.material[l] = from->material[l];
-  }
   clear<L>(memory.passed);
   alignas(L::count * 4) float t_far_m[L::count];
   for (int l = 0; l < L::count; ++l) t_far_m[l] = shadow.rays.t_far_m[l];
@@ -130,16 +113,13 @@ OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& s
     eval_lit_surfaces<L>(scene, shadow, hits, geometry, memory, surface);
     const auto met =
         lanes_where<L>([&](int l) { return load<typename L::I>(surface.material + l) >= 0; });
-    const LaneMask<L> bright = dim_light(scene, shadow, surface, met & on,
-                                         follows_media ? &media : nullptr, memory);
+    const LaneMask<L> bright = dim_light(scene, shadow, surface, met & on, memory);
     reached |= on & ~met;
     on &= met & bright;
-    on.for_each([&](int l) {
-      if (follows_media) pass_boundary(surface, l, shadow.rays.t_far_m[l], true, media);
-      pass(memory.passed, l, shadow.rays);
-    });
+    if (scene.has_volumes) pass_boundaries<L>(surface, on, {}, shadow.rays.t_far_m, memory.media);
+    on.for_each([&](int l) { pass(memory.passed, l, shadow.rays); });
   }
-  if (follows_media) absorb_to_end(scene, media, reached, t_far_m, memory.throughput);
+  if (scene.has_volumes) absorb_to_end(scene, memory.media, reached, t_far_m, memory.throughput);
   if (scene.splats != nullptr && reached.any())
     dim_by_splats(scene, search, reached, t_far_m, shadow, memory);
   return reached;

@@ -22,12 +22,20 @@ struct PassedSurfaces {
   PassedSurface* surface = nullptr;  // [lane][capacity], in the order they were met
 };
 
+// What rays are in (path/media.h), [lane].
+struct RayMedia {
+  std::int32_t* material = nullptr;  // of the volume's boundary; no_medium, or seen_by_eye
+  std::int32_t* entered = nullptr;   // 1 where the ray has gone straight into it, else 0
+  float* from_m = nullptr;  // up to where along the ray what the volume absorbs has counted
+};
+
 // What is known of a packet's rays and of the surfaces they met, all [band][lane].
 struct SpectraMemory {
   float* throughput = nullptr;  // what light from the path's end still counts
   // Of the surfaces that were met; see LitSurface.
   float *reflectance = nullptr, *transmittance = nullptr, *emission = nullptr, *tint = nullptr;
   PassedSurfaces passed;  // where surfaces let rays through
+  RayMedia media;         // where there are volumes
 };
 
 // Random signs under which errors of cells of baked light are summed up: the mean square of so many
