@@ -1,4 +1,5 @@
-"""What weather costs a frame of the lit meadow, by paths: air between surfaces, clouds, stars.
+"""What weather costs a frame of the lit meadow, by paths: air between surfaces, clouds; and what
+refraction does where its pond fills a third of the view.
 
 .venv/bin/python bench/weather.py [ROUNDS]
 
@@ -15,6 +16,9 @@ import numpy as np
 
 import omma
 from omma.light import clear_sky, clouded, with_air
+
+# The middle of the meadow's pond.
+POND_M = np.array([34.7, -0.2, -15.5])
 
 
 def main() -> None:
@@ -34,23 +38,47 @@ def main() -> None:
     camera = scene.cameras[0].name
     print(f"{platform.machine()}, {len(eye)} ommatidia, camera {camera}, best of {rounds}")
     for polarized in (False, True):
-        renderers = {
-            name: omma.Renderer(
-                omma.World(scene, light=light, polarized=polarized), eye, omma.Fixed(16), threads=1
-            )
+        worlds = {
+            name: omma.World(scene, light=light, polarized=polarized)
             for name, light in lights.items()
         }
-        best_s = dict.fromkeys(renderers, np.inf)
-        for renderer in renderers.values():
-            renderer.render(pose)
-        for _ in range(rounds):
-            for name, renderer in renderers.items():
-                began = time.process_time()
-                renderer.render(pose)
-                best_s[name] = min(best_s[name], time.process_time() - began)
         print("polarised" if polarized else "unpolarised")
-        for name, seconds in best_s.items():
-            print(f"  {name:22} {1e3 * seconds:7.1f} ms  {seconds / best_s['clear']:.3f}")
+        compare(worlds, eye, pose, rounds)
+    print("over the pond, unpolarised")
+    ponds = {
+        name: omma.World(with_pond(scene, water), light=clear)
+        for name, water in (
+            ("a surface", omma.scene.water("IB", depth_m=0.5, bottom="light soil")),
+            ("that bends rays", omma.scene.water_volume("IB")),
+        )
+    }
+    above = np.eye(4)
+    above[:3, 3] = POND_M + (0, 0.5, 0)
+    compare(ponds, eye, above, rounds)
+
+
+def with_pond(scene: omma.Scene, water: omma.scene.Material) -> omma.Scene:
+    """The meadow with other water in its pond, over the meadow's own ground."""
+    materials = [water if one.name == "pond water" else one for one in scene.materials]
+    return scene.replace(materials=materials)
+
+
+def compare(worlds: dict[str, omma.World], eye: omma.Eye, pose: np.ndarray, rounds: int) -> None:
+    """Print the time of a frame of each world, and over that of the first."""
+    renderers = {
+        name: omma.Renderer(world, eye, omma.Fixed(16), threads=1) for name, world in worlds.items()
+    }
+    best_s = dict.fromkeys(renderers, np.inf)
+    for renderer in renderers.values():
+        renderer.render(pose)
+    for _ in range(rounds):
+        for name, renderer in renderers.items():
+            began = time.process_time()
+            renderer.render(pose)
+            best_s[name] = min(best_s[name], time.process_time() - began)
+    first_s = next(iter(best_s.values()))
+    for name, seconds in best_s.items():
+        print(f"  {name:22} {1e3 * seconds:7.1f} ms  {seconds / first_s:.3f}")
 
 
 main()

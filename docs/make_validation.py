@@ -25,6 +25,7 @@ sys.path.insert(0, str(ROOT / "tests" / "python"))
 
 from lit_checks_lights import CASES as OF_LIGHTS  # noqa: E402
 from lit_checks_surfaces import CASES as OF_SURFACES  # noqa: E402
+from lit_checks_volumes import CASES as OF_VOLUMES  # noqa: E402
 
 BLUE, ORANGE = "#0072B2", "#D55E00"
 
@@ -166,7 +167,8 @@ def main() -> int:
         "The clear sky": checks.sky(),
         "Photons": checks.photons(),
     }
-    lit = {name: list(case("portable")) for name, case in (OF_SURFACES | OF_LIGHTS).items()}
+    cases = OF_SURFACES | OF_VOLUMES | OF_LIGHTS
+    lit = {name: list(case("portable")) for name, case in cases.items()}
     text = []
     for title, lines in parts.items():
         tests = ", ".join(f"`{test}`" for test in TESTS[title])

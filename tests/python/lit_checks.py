@@ -1,7 +1,7 @@
 """How lit worlds are checked against closed forms: what a check is, and small eyes that measure.
 
-The checks themselves are in lit_checks_surfaces.py and lit_checks_lights.py; test_lit_forms.py runs
-them, and docs/make_validation.py writes their numbers down.
+The checks themselves are in lit_checks_surfaces.py, lit_checks_volumes.py and lit_checks_lights.py;
+test_lit_forms.py runs them, and docs/make_validation.py writes their numbers down.
 """
 
 from __future__ import annotations

@@ -212,8 +212,8 @@ def test_catches_without_an_acceptance_are_told():
 @pytest.mark.parametrize(("width", "is_told"), [(0.03, True), (1.7, False), (0.3, False)])
 def test_radians_in_a_column_of_degrees_are_told(tmp_path, width, is_told):
     path = tmp_path / "eye.csv"
-    rows = [f"0,0,0,{azimuth},0,{width}" for azimuth in range(-40, 41, 2)]
-    head = "x_mm,y_mm,z_mm,azimuth_deg,elevation_deg,acceptance_angle_deg"
+    rows = [f"{azimuth},0,{width}" for azimuth in range(-40, 41, 2)]
+    head = "azimuth_deg,elevation_deg,acceptance_angle_deg"
     path.write_text("\n".join([head, *rows]))
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")

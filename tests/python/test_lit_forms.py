@@ -4,8 +4,9 @@ import pytest
 from lit_checks import LARGEST_ERROR
 from lit_checks_lights import CASES as OF_LIGHTS
 from lit_checks_surfaces import CASES as OF_SURFACES
+from lit_checks_volumes import CASES as OF_VOLUMES
 
-CASES = {**OF_SURFACES, **OF_LIGHTS}
+CASES = {**OF_SURFACES, **OF_VOLUMES, **OF_LIGHTS}
 # What takes over a second, once.
 SLOW = {"furnace", "energy", "form factors", "overcast", "sun"}
 
