@@ -246,7 +246,7 @@ TEST(GltfScattering, BadSpectraAreNamed) {
     expect_load_error(with_material(extras(said)), std::move(parts));
   };
   expect({{"reflectence", 1}},
-         {"materials[0].extras.omma: expected boundary, emission, extra_reflectance",
+         {"materials[0].extras.omma: expected absorption_per_m, boundary, emission",
           "reflectence"});
   expect({{"reflectance", {{"wavelength_nm", {300, 400}}}}}, {"reflectance.value: is missing"});
   expect({{"reflectance", spectrum({300, 400}, {0.5})}},

@@ -96,7 +96,8 @@ def test_what_others_read(tmp_path):
     assert set(document["extensionsUsed"]) == {
         "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
         "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular",
-        "KHR_materials_transmission", "KHR_materials_unlit", "KHR_texture_transform",
+        "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_volume",
+        "KHR_texture_transform",
     }  # fmt: skip
     green = document["materials"][0]
     assert max(green["emissiveFactor"]) <= 1
