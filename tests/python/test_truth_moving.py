@@ -284,7 +284,8 @@ def walker(folder):
     smile = made.node(name="face", mesh=face, translation=[0, 2, -3])
     made.animation([(hip, "translation", [0, 1], [[0, 0, -3], [1, 0, -3]], "LINEAR")], "walk")
     made.animation([(smile, "weights", [0, 1, 2], [0, 0, 1], "LINEAR")], "grin")
-    return omma.World(omma.load_scene(made.write(folder / "walker.gltf")), backend="portable")
+    scenes = [solids.sphere(0.1, name="ball"), omma.load_scene(made.write(folder / "walker.gltf"))]
+    return omma.World(solids.merge_scenes(scenes), backend="portable")
 
 
 def told_of(call):

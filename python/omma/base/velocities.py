@@ -85,7 +85,7 @@ def velocities_about(
     has the velocity of the two sides.
     """
     before, across, after = (
-        velocities_between(*places[k : k + 2], seconds)
+        velocities_between(places[k], places[k + 1], seconds)
         for k, seconds in enumerate((step_s, 2 * step_s, step_s))
     )
     linear, angular = (_without_jumps(*parts) for parts in zip(before, across, after, strict=True))

@@ -84,7 +84,7 @@ def _things_of_meshes(scene: Scene) -> dict[int, int]:
     thing_of_node: dict[tuple[int, int], int] = {}
     things = {}
     for number, instance in enumerate(scene.instances):
-        node = (instance.node, -1) if instance.node >= 0 else (-1, number)
+        node = (-1, number) if instance.node is None else (instance.node, -1)
         things[instance.mesh] = thing_of_node.setdefault(node, len(thing_of_node))
     return things
 

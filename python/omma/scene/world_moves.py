@@ -25,8 +25,9 @@ class Movable(Protocol):
     _engine: _core.World
     _moved: dict[int, NDArray[np.float64]]
     _last_at: list[tuple[float, Animations | None]]
-    _rig_parts: RigParts
 
+    @property
+    def _rig_parts(self) -> RigParts: ...
     @property
     def scene(self) -> Scene: ...
     @property
