@@ -5,9 +5,11 @@ import json
 
 import numpy as np
 import pytest
-from animated_scenes import Builder, cube, transform
+from animated_scenes import Builder, cube, swinging_box, transform
+from conftest import make_eye
 
 import omma
+from omma.job.info import describe_file
 
 
 def animated(**node):
@@ -300,3 +302,41 @@ def test_lamps_stand_still_and_say_so(tmp_path):
         scene = omma.load_scene(path)
     assert any("lamps that an animation moves stand still" in one for one in scene.warnings)
     assert json.loads(path.read_text())["nodes"][0]["children"] == [1]
+
+
+def test_files_are_rendered_by_the_times_of_a_path(tmp_path):
+    """Without times, or where an animation would have to be named, at rest, with a warning."""
+    scene = swinging_box(tmp_path / "swing.gltf")
+    omma.save_eye(tmp_path / "e.csv", make_eye(400))
+    header = "x,y,z,qx,qy,qz,qw"
+    (tmp_path / "timed.csv").write_text(f"t_s,{header}\n0.25,0,0,0,0,0,0,1\n1,0,0,0,0,0,0,1\n")
+    (tmp_path / "path.csv").write_text(f"{header}\n0,0,0,0,0,0,1\n")
+
+    def rendered(path, scene=scene.path):
+        report = omma.render_file(
+            scene, tmp_path / "r.npy", omma.Fixed(4), eyes=tmp_path / "e.csv", path=tmp_path / path
+        )
+        told = [one for one in report.warnings if "at rest" in one]
+        return np.load(tmp_path / "r.npy"), told
+
+    renderer = omma.Renderer(scene, omma.load_eye(tmp_path / "e.csv"), omma.Fixed(4))
+    at_rest = renderer.render(np.eye(4))
+    moved = renderer.render(np.stack([np.eye(4)] * 2), times_s=[0.25, 1])
+    assert (moved[0] != moved[1]).any()
+    found, told = rendered("timed.csv")
+    assert np.array_equal(found, moved)
+    assert not told
+    omma.job.render_like(tmp_path / "r.npy", tmp_path / "again.npy")
+    assert np.array_equal(np.load(tmp_path / "again.npy"), moved)
+    found, (told,) = rendered("path.csv")
+    assert np.array_equal(found, at_rest)
+    assert "swing, 1 s" in told
+    assert ("animation", "swing, 1 s") in describe_file(scene.path)
+    made = Builder()
+    node = made.node(mesh=made.mesh(*cube()[::2]), name="box", translation=[0, 0, -3])
+    for name in ("walk", "run"):
+        made.animation([(node, "translation", [0, 1], [[0, 0, -3], [1, 0, -3]], "LINEAR")], name)
+    two = made.write(tmp_path / "two.gltf")
+    found, told = rendered("timed.csv", two)
+    assert len(told) == 1
+    assert np.array_equal(found[0], found[1])

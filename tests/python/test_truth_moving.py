@@ -263,3 +263,96 @@ def test_datasets_say_where_things_were(world, path, tmp_path):
     with xarray.open_dataset(tmp_path / "moved.nc") as kept:
         assert np.array_equal(kept.world_from_thing, path)
     assert "thing" not in renderer.dataset(POSES).dims
+
+
+def walker(folder):
+    """A cube that its only bone carries 1 m to the right in a second, a second cube that a morph
+    target moves in the second after, and an eye that sees both."""
+    made = Builder()
+    positions, _, triangles = cube(0.5)
+    count = len(positions)
+    bones, all_of_one = np.zeros((count, 4)), np.eye(4)[[0] * count]
+    body = made.mesh(
+        positions,
+        triangles,
+        JOINTS_0=made.accessor(bones, "u1"),
+        WEIGHTS_0=made.accessor(all_of_one),
+    )
+    hip = made.node(name="hip", translation=[0, 0, -3])
+    made.node(name="body", mesh=body, skin=made.skin([hip]))
+    face = made.mesh(positions, triangles, targets=[{"POSITION": positions}])
+    smile = made.node(name="face", mesh=face, translation=[0, 2, -3])
+    made.animation([(hip, "translation", [0, 1], [[0, 0, -3], [1, 0, -3]], "LINEAR")], "walk")
+    made.animation([(smile, "weights", [0, 1, 2], [0, 0, 1], "LINEAR")], "grin")
+    scenes = [solids.sphere(0.1, name="ball"), omma.load_scene(made.write(folder / "walker.gltf"))]
+    return omma.World(solids.merge_scenes(scenes), backend="portable")
+
+
+def told_of(call):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        truth = call()
+    return truth, [str(one.message) for one in told]
+
+
+def test_what_bones_and_morph_targets_move_is_told_of(tmp_path):
+    """Nothing of it is in the flow, which there is all the same, with the head's."""
+    renderer = omma.Renderer(walker(tmp_path), omma.eye.generate_eye(40), omma.Fixed(4))
+    heads = omma.poses_from_angles([(0, 0, 0), (0.1, 0, 0)], [(0, 0, 0), (5, 0, 0)])
+
+    def truth(times_s, **options):
+        return told_of(lambda: renderer.ground_truth(heads, times_s=times_s, **options))
+
+    found, told = truth([0.2, 0.4])
+    head = omma.velocities_from_poses(heads, [0.2, 0.4])
+    expected = renderer.ground_truth(heads, head_velocity=head)
+    assert np.array_equal(found.flow_rotation_rad_s, expected.flow_rotation_rad_s)
+    assert not found.flow_objects_rad_s.any()
+    (one,) = told
+    assert "'body'" in one
+    assert "'face'" not in one, "which is still then"
+    for times, options, names in (
+        ([0.5, 1.5], {}, ["body", "face"]),
+        ([1.2, 1.4], {}, ["face"]),
+        ([1.2, 1.4], {"animation": "walk"}, []),
+        ([2.5, 3.0], {}, []),
+        ([0.2, 0.4], {"velocities": {"body": ((1, 0, 0), (0, 0, 0))}}, []),
+    ):
+        found, told = truth(times, **options)
+        here = [name for name in ("body", "face") if any(repr(name) in one for one in told)]
+        assert (here, len(told)) == (names, bool(names))
+        assert found.flow_rad_s is not None
+
+
+def test_jumps_have_no_flow(tmp_path):
+    """A box that a STEP key puts 10 cm to the right in the middle of its slide upwards."""
+    made = Builder()
+    rail = made.node(name="rail")
+    node = made.node(rail, mesh=made.mesh(*cube(1.0)[::2]), name="box")
+    keys = [0, 0.5]
+    jumps = [[0, 0, -4], [0.1, 0, -4]]
+    made.animation(
+        [
+            (node, "translation", keys, jumps, "STEP"),
+            (rail, "translation", [0, 1], [[0, 0, 0], [0, 0.2, 0]], "LINEAR"),
+        ]
+    )
+    turned = made.node(mesh=made.mesh(*cube(1.0)[::2]), name="turned", translation=[9, 0, 0])
+    made.document["animations"][0]["channels"].append(
+        {"sampler": 2, "target": {"node": turned, "path": "rotation"}}
+    )
+    made.document["animations"][0]["samplers"].append(
+        {
+            "input": made.accessor(keys),
+            "output": made.accessor(np.array([[0, 0, 0, 1], [0, 1, 0, 0]])),
+            "interpolation": "STEP",
+        }
+    )
+    world = omma.World(omma.load_scene(made.write(tmp_path / "jump.gltf")), backend="portable")
+    eye = omma.Eye([(0, 0, 0)], [(0, 0, -1)], 0.0)
+    renderer = omma.Renderer(world, eye, omma.Fixed(1))
+    times = np.array([0.3, 0.49995, 0.5, 0.50005, 0.7])
+    truth = renderer.ground_truth(np.tile(np.eye(4), (5, 1, 1)), times_s=times)
+    assert_allclose(truth.flow_objects_rad_s[:, 0], [[0, 0.2 / 3]] * 5, atol=1e-4)
+    aside = omma.poses_from_angles([(9, 0, 4)] * 5, [(0, 0, 0)] * 5)
+    assert not renderer.ground_truth(aside, times_s=times).flow_objects_rad_s.any()

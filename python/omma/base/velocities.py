@@ -10,6 +10,10 @@ from omma.base.arguments import array_of, checked
 from omma.base.poses import Matrices, as_poses
 from omma.base.warn import warn_caller
 
+# So many times faster than before and after is a jump: what goes on steadily, or turns round at a
+# moment, is not faster in its middle than on both sides.
+_JUMP = 10.0
+
 # So near to half a turn, either way is as short as angles of six digits say.
 _HALF_TURN_RAD = 1e-5
 
@@ -70,6 +74,30 @@ def velocities_between(
     linear = (after[:, :3, 3] - before[:, :3, 3]) / step_s
     turns = _rotation_vectors(_nearest_turns(before), _nearest_turns(after))
     return linear, turns / step_s
+
+
+def velocities_about(
+    places: tuple[Matrices, Matrices, Matrices, Matrices], step_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The same of moments, from where frames are 2 and 1 ``step_s`` before them and 1 and 2 after.
+
+    What is far faster from just before a moment to just after than on either side has jumped, and
+    has the velocity of the two sides.
+    """
+    before, across, after = (
+        velocities_between(places[k], places[k + 1], seconds)
+        for k, seconds in enumerate((step_s, 2 * step_s, step_s))
+    )
+    linear, angular = (_without_jumps(*parts) for parts in zip(before, across, after, strict=True))
+    return linear, angular
+
+
+def _without_jumps(
+    before: NDArray[np.float64], across: NDArray[np.float64], after: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    speeds = [np.linalg.norm(one, axis=1, keepdims=True) for one in (before, across, after)]
+    jumps = speeds[1] > _JUMP * np.maximum(speeds[0], speeds[2])
+    return np.where(jumps, (before + after) / 2, across)
 
 
 def is_stretched(matrices: Matrices, tolerance: float = 1e-5) -> bool:

@@ -24,6 +24,7 @@ from omma.base.files import (
 from omma.base.progress import Progress, Stage
 from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
+from omma.job.animated import told_at_rest
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import camera_eye, camera_projection, display, picture_size, render_camera
 from omma.picture.files import paint_of_projection, write_png
@@ -120,6 +121,7 @@ def render_all_cameras(
     if not cameras:
         raise Error(f"{world.path}: has no camera")
     warnings = warnings_of(world, light is not None)
+    warnings += told_at_rest(world, "cameras' pictures have no time")
     eyes: list[Eye | None] = []
     shown: list[str] = []
     for camera in cameras:

@@ -9,6 +9,7 @@ import numpy as np
 
 from omma._core import Camera, Error
 from omma.base.files import WholeFiles, check_target, left_behind, make_parent
+from omma.job.animated import told_at_rest
 from omma.job.begun import Begun
 from omma.job.reports import RenderReport
 from omma.picture.band_colours import colours_of
@@ -59,7 +60,11 @@ def render_picture(begun: Begun, camera: Camera) -> RenderReport:
         view=f"camera {camera.name}, {camera.type}",
         eyes=(),
         outputs=tuple(names),
-        warnings=(*warnings_of(world.scene, world.light is not None), *left_behind(names)),
+        warnings=(
+            *warnings_of(world.scene, world.light is not None),
+            *told_at_rest(world.scene, "a camera's picture has no time"),
+            *left_behind(names),
+        ),
         picture=(width, height),
     )
 

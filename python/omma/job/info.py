@@ -13,6 +13,7 @@ from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike
 from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
+from omma.job.animated import animation_words
 from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_scene_extent
 from omma.job.picture_info import describe_picture, is_picture_file
@@ -112,7 +113,7 @@ def describe_file(
 
 
 def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
-    """Counts, size, background, cameras and warnings of a scene."""
+    """Counts, size, background, cameras, animations and warnings of a scene."""
     lines = [
         ("scene", scene.path or "in memory"),
         ("nodes", f"{scene.node_count:,}"),
@@ -146,6 +147,7 @@ def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
         if camera.compound_projection:
             text += f" as {camera.compound_projection}"
         lines.append(("camera", text))
+    lines += [("animation", words) for words in animation_words(scene)]
     for name in scene.hit_box_names:
         box = scene.hit_box_bounds(name)
         corners = "empty" if box is None else f"{place_words(box[0])} to {place_words(box[1])} m"

@@ -11,6 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 from numpy.typing import ArrayLike
 
+from omma.base.arrays import Floats
 from omma.base.poses import Matrices
 from omma.base.progress import Progress, Stage
 from omma.rendering.labels import camera_variables
@@ -33,23 +34,30 @@ Render = Callable[[Matrices, int, Progress], Piece]
 
 
 def render_of_ommatidia(
-    renderer: Renderer, standard_error: bool, spent: SpentRays | None
+    renderer: Renderer,
+    standard_error: bool,
+    spent: SpentRays | None,
+    times_s: Floats | None = None,
 ) -> Render:
-    """What renders ommatidia; with ``spent`` to an error, adding what it took."""
+    """What renders ommatidia; with ``spent`` to an error, adding what it took; where ``times_s`` of
+    all poses are given, with things where animations have them then."""
 
     def render(piece: Matrices, first: int, progress: Progress) -> Piece:
+        when = _times_of(times_s, first, piece)
         if spent is not None:
             responses, report = renderer.render(
-                piece, report=True, first_pose=first, progress=progress
+                piece, report=True, first_pose=first, progress=progress, times_s=when
             )
             spent.add(report, first)
             return Piece(first, responses, report.standard_error, report.rays)
         if standard_error:
             responses, errors = renderer.render(
-                piece, standard_error=True, first_pose=first, progress=progress
+                piece, standard_error=True, first_pose=first, progress=progress, times_s=when
             )
             return Piece(first, responses, errors)
-        return Piece(first, renderer.render(piece, first_pose=first, progress=progress))
+        return Piece(
+            first, renderer.render(piece, first_pose=first, progress=progress, times_s=when)
+        )
 
     return render
 
@@ -64,8 +72,9 @@ class BesideCameras:
         cameras: CaptureCameras,
         standard_error: bool,
         spent: SpentRays | None,
+        times_s: Floats | None = None,
     ) -> None:
-        self._renderer, self._cameras = renderer, cameras
+        self._renderer, self._cameras, self._times = renderer, cameras, times_s
         self._standard_error, self._spent = standard_error, spent
         self.met = 0
         """Ommatidia times poses that saw anything but sky."""
@@ -79,6 +88,7 @@ class BesideCameras:
             standard_error=self._standard_error,
             first_pose=first,
             progress=progress,
+            times_s=_times_of(self._times, first, piece),
         )
         target = self._renderer.settings.sampling
         errors, rays = truth.standard_error, truth.rays
@@ -95,11 +105,15 @@ class BesideCameras:
 
 
 def render_of_receptors(
-    renderer: Renderer, ultraviolet: ArrayLike | None, standard_error: bool
+    renderer: Renderer,
+    ultraviolet: ArrayLike | None,
+    standard_error: bool,
+    times_s: Floats | None = None,
 ) -> Render:
-    """What renders receptors."""
+    """What renders receptors; ``times_s`` as of `render_of_ommatidia`."""
 
     def render(piece: Matrices, first: int, progress: Progress) -> Piece:
+        when = _times_of(times_s, first, piece)
         if standard_error:
             responses, errors = renderer.render_receptors(
                 piece,
@@ -107,10 +121,11 @@ def render_of_receptors(
                 standard_error=True,
                 first_pose=first,
                 progress=progress,
+                times_s=when,
             )
             return Piece(first, responses, errors)
         responses = renderer.render_receptors(
-            piece, ultraviolet=ultraviolet, first_pose=first, progress=progress
+            piece, ultraviolet=ultraviolet, first_pose=first, progress=progress, times_s=when
         )
         return Piece(first, responses)
 
@@ -161,6 +176,10 @@ def render_pieces(
             tell("Writing", 1.0)
             waiting.result()
     return seconds
+
+
+def _times_of(times_s: Floats | None, first: int, piece: Matrices) -> Floats | None:
+    return None if times_s is None else times_s[first : first + len(piece)]
 
 
 def _write(writers: Sequence[Writer], piece: Piece) -> float:

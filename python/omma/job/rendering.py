@@ -19,6 +19,7 @@ from omma.base.arrays import Floats
 from omma.base.files import PathLike, WholeFiles, left_behind, make_parent
 from omma.base.progress import Stage
 from omma.base.renamed import renamed_arguments
+from omma.job.animated import times_that_move
 from omma.job.begun import Begun, View, begin, input_files, view_of
 from omma.job.camera_picture import render_picture
 from omma.job.outputs import writers_of
@@ -83,7 +84,9 @@ def render_file(
             ``look_at`` it looks along -Z. Straight up or down it is as if it had lifted or lowered
             its view from along -Z: looking down, its upper side is towards -Z.
         path: instead, a CSV file of poses, see `load_poses`. Where it has times, ``t_s``, the first
-            dimension of what says its numbers is ``time``, s, not ``pose``.
+            dimension of what says its numbers is ``time``, s, not ``pose``, and the scene's
+            animations move what they move by these times; else it is rendered at rest, which the
+            report's warnings say of a scene with animations.
         on_ground: of a head that walks: its height above the ground, m. ``path`` is then a track,
             see `omma.motion.load_track` and `omma.motion.walk_on`; it may have times too.
         ground: with it, a name or names of instances that are ground; none: everything is.
@@ -159,6 +162,8 @@ def run_job(
         **job.settings.options(),
     )
     _tell_of_sharing(job, renderer, warnings)
+    times_s = view.times_s if times_s is None else times_s
+    moving = times_that_move(renderer.world, times_s, warnings)
     built = time.perf_counter()
     for name in begun.names:
         make_parent(name)
@@ -174,7 +179,7 @@ def run_job(
         receptors=job.receptors,
         standard_error=job.standard_error,
         with_cameras=begun.cameras is not None,
-        time_s=view.times_s if times_s is None else times_s,
+        time_s=times_s,
         more=story_of(job, view.files, begun.background, command),
         first_pose=0,
     )
@@ -201,11 +206,11 @@ def run_job(
         )
         render: Render
         if job.receptors:
-            render = render_of_receptors(renderer, job.ultraviolet, job.standard_error)
+            render = render_of_receptors(renderer, job.ultraviolet, job.standard_error, moving)
         elif begun.cameras is not None:
-            render = BesideCameras(renderer, begun.cameras, job.standard_error, spent)
+            render = BesideCameras(renderer, begun.cameras, job.standard_error, spent, moving)
         else:
-            render = render_of_ommatidia(renderer, job.standard_error, spent)
+            render = render_of_ommatidia(renderer, job.standard_error, spent, moving)
         pose_bytes = 4 * max(1, int(np.prod(labels.shape("response")[1:])))
         pieces = partial(render_pieces, render, writers, view.poses, pose_bytes, begun.tell)
         if kept is None:

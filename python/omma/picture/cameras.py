@@ -17,6 +17,7 @@ from omma.picture.response_scale import is_rgb_below_0
 from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.renderer import Renderer
 from omma.scene.world import World
+from omma.scene.world_moves import camera_now
 
 DEFAULT_PROJECTION = "spherical_orientationwise"
 
@@ -46,8 +47,8 @@ def render_camera(
         scene: the scene, or a world of it or a renderer, whose acceleration structure, threads and
             background are then used. A world keeps the rays of its last picture: the next one of
             the same kind of camera, size, ``samples`` and ``seed`` has them, wherever it is taken.
-        camera: its name, its index among ``scene.cameras``, or a camera, which may be of another
-            scene.
+        camera: its name or its index among ``scene.cameras``, where it is since the last
+            `World.at`; or a camera as it is, which may be of another scene.
         width, height: pixels. What is left out follows from the camera's aspect ratio, so that
             pixels are square; 1024 wide where both are. A perspective camera without an aspect
             ratio is 4 to 3.
@@ -71,7 +72,7 @@ def render_camera(
     else:
         found = type(scene).__name__
         raise TypeError(f"scene: expected omma.Scene, omma.World or omma.Renderer, found {found}")
-    which = camera if isinstance(camera, Camera) else world.scene.camera(camera)
+    which = camera if isinstance(camera, Camera) else camera_now(world, camera)
     size = picture_size(which, width, height)
     picture = np.empty((size[1], size[0], world.bands), np.float32)
     _core.render_camera(

@@ -22,6 +22,7 @@ from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.receptor_views import ReceptorViews
 from omma.rendering.settings import Settings, frame_number
 from omma.scene.world import World
+from omma.scene.world_moves import camera_now, camera_path
 
 Responses = NDArray[np.float32]
 # Where responses are written.
@@ -114,7 +115,7 @@ class Call:
             omma.Error: an argument is not what `Renderer.render` says.
             TypeError: ``first_pose`` is no whole number.
         """
-        matrices = poses_of(renderer, poses)
+        matrices = poses_of(renderer, poses, moves)
         moving = Moves(renderer.world, matrices, moves, renderer.settings.impulse_response)
         return cls(renderer, matrices, moving, frame_number(first_pose), progress)
 
@@ -252,8 +253,12 @@ def _for_engine(target: Target) -> Responses | _core.CardSpan:
     return target.span if isinstance(target, OnCard) else target
 
 
-def poses_of(renderer: Prepared, poses: Poses) -> Matrices:
-    """Poses in any form that a renderer takes, also a camera's name, as (P, 4, 4)."""
-    if isinstance(poses, str):
-        return as_poses(renderer.scene.camera(poses).world_from_camera)
-    return as_poses(poses)
+def poses_of(renderer: Prepared, poses: Poses, moves: MovesOptions | None = None) -> Matrices:
+    """Poses in any form that a renderer takes, as (P, 4, 4). A camera's name is one for each of
+    ``times_s``, and without these the camera as the world has it now."""
+    if not isinstance(poses, str):
+        return as_poses(poses)
+    times = None if moves is None else moves.get("times_s")
+    if moves is None or times is None:
+        return as_poses(camera_now(renderer.world, poses).world_from_camera)
+    return as_poses(camera_path(renderer.world, poses, times, moves.get("animation")))

@@ -112,9 +112,11 @@ def dataset(
             "standard_error: truth has none; ground_truth(..., standard_error=True) gives truth "
             "with them"
         )
-    matrices = poses_of(self, poses)
-    check_truth(truth, matrices, self)
     origin = origin_of(truth)
+    if moves.get("times_s") is None and origin is not None:
+        moves["times_s"] = origin.times_s
+    matrices = poses_of(self, poses, moves)
+    check_truth(truth, matrices, self)
     if origin is not None:
         check_origin(origin, self, first_pose)
     times = times_of(origin, when, len(matrices))

@@ -87,8 +87,10 @@ def render(
     Args:
         poses: ``world_from_head``, (P, 4, 4) or (4, 4), m; or a tuple of positions (P, 3), m,
             and quaternions (P, 4) in the order x, y, z, w; or the name of a camera in the
-            scene, whose whole transform is the pose, its scale too. Arrays of other libraries
-            come by DLPack, float64 without a copy (docs/closed-loops.md).
+            scene, whose whole transform is the pose, its scale too: with ``times_s`` one for
+            each time, where animations have it then (`World.camera_at`), else where it is since
+            the last `World.at`. Arrays of other libraries come by DLPack, float64 without a
+            copy (docs/closed-loops.md).
         standard_error: return (responses, errors), errors the standard error of each response.
             It comes from 8 independent scrambles, so 8 times the rays are traced and the
             response is their mean; with `ToError` it is estimated from the rays as they

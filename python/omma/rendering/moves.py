@@ -14,7 +14,7 @@ from omma.base.arguments import array_of
 from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
 from omma.base.slips import warn_of_slip
-from omma.base.velocities import is_stretched, velocities_between, velocities_from_poses
+from omma.base.velocities import is_stretched, velocities_about, velocities_from_poses
 from omma.base.warn import warn_caller
 from omma.photoreceptors import ImpulseResponse
 from omma.scene.world import World
@@ -216,11 +216,10 @@ class Moves:
         )
 
     def is_path(self) -> bool:
-        """Whether its times say when poses are one after the other, and things move meanwhile."""
+        """Whether its times say when poses are, one after the other."""
         if self._times is None or len(self._times) < 2 or not np.isfinite(self._times).all():
             return False
-        moving = len(self._instances) > 0 or len(self._world._engine.animated) > 0
-        return moving and bool((np.diff(self._times) > 0).all())
+        return bool((np.diff(self._times) > 0).all())
 
     def head_velocity(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The head's linear and angular velocity along a path, each (P, 3)."""
@@ -243,7 +242,7 @@ class Moves:
         """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.
 
         Those of ``transforms`` along their path, those of animations about each moment; none where
-        the caller has told them, or there are no times. Warns of what grows or is stretched.
+        the caller has told them, or there are no times. Warns of what grows, is stretched or bent.
         """
         found: dict[int, tuple[Any, Any]] = {}
         stretched: list[int] = []
@@ -267,25 +266,41 @@ class Moves:
             if thing not in found and thing not in told
         ]
         if animated:
-            before, after = (
-                np.stack([self._animated_at(time + side) for time in self._times])
-                for side in (-_MOMENT_S, _MOMENT_S)
+            two_before, before, after, two_after = (
+                np.stack([self._animated_at(time + side * _MOMENT_S) for time in self._times])
+                for side in (-2, -1, 1, 2)
             )
             for k, thing in animated:
-                found[thing] = velocities_between(before[:, k], after[:, k], 2 * _MOMENT_S)
+                places = two_before[:, k], before[:, k], after[:, k], two_after[:, k]
+                found[thing] = velocities_about(places, _MOMENT_S)
                 # So short a time has little of it, and less of rounding, as keys are exact.
                 if is_stretched(np.concatenate([before[:, k], after[:, k]]), 1e-6):
                     stretched.append(thing)
         if stretched:
-            names = [self._world.instances[thing].name for thing in stretched[:_MOST_NAMES]]
-            more = len(stretched) - len(names)
             warn_caller(
-                f"optic flow: {', '.join(map(repr, names))}{f' and {more} more' if more else ''} "
+                f"optic flow: {self._names(stretched)} "
                 f"{'changes' if len(stretched) == 1 else 'change'} size or shape on the way; only "
                 "how things go and turn is in it, not how they grow or are stretched",
                 UserWarning,
             )
+        moments = self._times[np.isfinite(self._times)]
+        animations = self._animations.tolist()
+        bent = self._world._rig_parts.bent(moments, _MOMENT_S, animations)
+        bent = [thing for thing in bent if thing not in told]
+        if bent:
+            warn_caller(
+                f"optic flow: bones or morph targets move the vertices of {self._names(bent)}; a "
+                "thing counts as its node moves, not as its vertices do; velocities= tells how it "
+                "goes and turns as a whole",
+                UserWarning,
+            )
         return found
+
+    def _names(self, things: Sequence[int]) -> str:
+        instances = self._world.instances
+        names = [repr(instances[thing].name) for thing in things[:_MOST_NAMES]]
+        more = len(things) - len(names)
+        return ", ".join(names) + (f" and {more} more" if more else "")
 
     def _animated_at(self, time_s: float) -> NDArray[np.float64]:
         return self._world._engine.animated_at(float(time_s), self._animations)

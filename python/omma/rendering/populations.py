@@ -25,6 +25,7 @@ from omma.rendering.settings import (
     takes_options,
 )
 from omma.scene.world import World
+from omma.scene.world_moves import camera_now
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -148,8 +149,9 @@ class Population:
         """Responses of each eye, (P, N, C) of its N ommatidia, all of them parts of one array.
 
         Args:
-            poses: ``world_from_head`` (4, 4), m, or the name of a camera of the scene, of all;
-                (E, 4, 4), of each; or (P, E, 4, 4), P of each.
+            poses: ``world_from_head`` (4, 4), m, or the name of a camera of the scene, of all,
+                where it is since the last `World.at`; (E, 4, 4), of each; or (P, E, 4, 4), P of
+                each.
             standard_error: also the standard errors, in the same form.
             first_pose: as of `Renderer.render`.
             progress: called with the finished share (0 to 1); what it raises ends the work.
@@ -213,7 +215,7 @@ class Population:
     def _poses(self, poses: ArrayLike | str) -> NDArray[np.float64]:
         """(P, E, 4, 4)."""
         if isinstance(poses, str):
-            poses = self._world.scene.camera(poses).world_from_camera
+            poses = camera_now(self._world, poses).world_from_camera
         given, eyes = array_of(poses, "poses"), len(self._sizes)
         if given.shape == (4, 4):
             given = np.broadcast_to(given, (eyes, 4, 4))

@@ -133,13 +133,14 @@ def ground_truth(
             indices in `World.instances`.
         head_velocity: the head's linear velocity, m/s, and angular velocity, rad/s, in the
             world's frame, each (3,) or (P, 3): of its origin, and right-handed about it.
-            `omma.velocities_from_poses` finds them from a path. None: where things move with
-            ``times_s`` that grow, that along the path of the poses, else none. There is optic flow
-            with a velocity of either, or where things move so.
+            `omma.velocities_from_poses` finds them from a path. None: with ``times_s`` that
+            grow, that along the path of the poses, else none. There is optic flow with a velocity
+            of either, or with such times.
         velocities: of what moves by itself, {name or index in `World.instances`: (linear,
             angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
             With ``times_s``, what ``instances`` and animations move has the velocity at which
-            it does so, unless it is told here. How it grows or is stretched is in neither.
+            it does so, unless it is told here. How it grows, is stretched or is bent is in neither,
+            and where an animation jumps from one key to the next it stands still.
         capture_cameras: from which a world made of photographs is known, as
             `omma.scene.load_capture_cameras` reads them: how near they were is told too.
         instances, transforms, times_s, animation, unseen, unseen_by_light: as of `render`.
@@ -150,7 +151,8 @@ def ground_truth(
             whose times do not grow, of which no velocity is told.
 
     Warns:
-        UserWarning: things that grow or are stretched, as their flow lacks that.
+        UserWarning: things that grow, are stretched, or are moved by bones or morph targets, as
+            their flow lacks that.
     """
     sampling = self.settings.sampling
     if isinstance(sampling, Shared):

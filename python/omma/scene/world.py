@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,17 @@ from omma.scene.lighting import (
     tell_of_emission,
     tell_of_splats,
 )
+from omma.scene.rig_parts import RigParts
 from omma.scene.without_light import tell_without_light
 from omma.scene.world_colors import Colors, set_color, set_image
-from omma.scene.world_moves import at, camera_at, set_transforms, set_vertices, vertices
+from omma.scene.world_moves import (
+    Animations,
+    at,
+    camera_at,
+    set_transforms,
+    set_vertices,
+    vertices,
+)
 from omma.scene.world_pickles import parts_of
 
 # The share of progress that building has where light is baked too.
@@ -126,6 +135,8 @@ class World:
         # What has moved, and where it was before; shared with such worlds.
         self._moved: dict[int, NDArray[np.float64]] = {}
         self._colors = Colors(scene)  # that changed; shared as well
+        # The time of the last `at` and of which animation, where there was one; shared as well.
+        self._last_at: list[tuple[float, Animations | None]] = []
         number = whole(threads, "threads", 0, 1 << 16)
         cards = ordinals(devices)
         self._asked = {"threads": number, "backend": backend, "devices": cards}
@@ -222,6 +233,11 @@ class World:
         other._engine = self._engine.with_lighting(given.for_engine(arguments))
         other._bake(arguments, progress)
         return other
+
+    @cached_property
+    def _rig_parts(self) -> RigParts:
+        """What the scene's animations bend and move."""
+        return RigParts(self._scene)
 
     def __copy__(self) -> World:
         return self

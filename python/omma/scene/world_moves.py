@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
-from omma._core import Error, Scene, WorldInstance
+from omma._core import Camera, Error, Scene, WorldInstance
 from omma.base.arguments import array_of, checked, whole
 from omma.base.methods import method_of
 from omma.base.progress import Progress
+from omma.scene.rig_parts import RigParts
 
 Animations = str | int
 Instances = str | int | Sequence[str | int] | NDArray[np.integer]
@@ -23,7 +24,10 @@ class Movable(Protocol):
 
     _engine: _core.World
     _moved: dict[int, NDArray[np.float64]]
+    _last_at: list[tuple[float, Animations | None]]
 
+    @property
+    def _rig_parts(self) -> RigParts: ...
     @property
     def scene(self) -> Scene: ...
     @property
@@ -90,7 +94,8 @@ def at(
     Nodes go where their animations say, and meshes take the shape that their bones and morph
     targets give them. Before its first key an animation is as at the first, after its last as
     at the last. What `set_transforms` has put elsewhere comes back where an animation moves it;
-    what bones bend can be put anywhere by it. The first time costs what the first
+    what bones bend can be put anywhere by it. Cameras that are named from now on, as to `render`
+    and `render_camera`, are where they are then. The first time costs what the first
     `set_transforms` does (docs/motion-and-time.md).
 
     Args:
@@ -106,6 +111,7 @@ def at(
     before = _places_before(self, self._engine.animated)
     self._engine.set_time(float(time_s), animations_of(self.scene, animation), progress)
     self._moved.update(before)
+    self._last_at[:] = [(float(time_s), animation)]
     return self
 
 
@@ -126,8 +132,7 @@ def camera_at(
     Raises:
         omma.Error: no such camera or animation.
     """
-    cameras = self.scene.cameras
-    index = cameras.index(self.scene.camera(name_or_index))
+    index = _camera_index(self.scene, name_or_index)
     animations = animations_of(self.scene, animation).tolist()
     return _core.camera_at(self.scene, index, float(time_s), animations)
 
@@ -193,6 +198,31 @@ def indices_of(world: Movable, instances: Instances) -> NDArray[np.int32]:
     return np.array(indices, np.int32)
 
 
+def camera_now(world: Movable, name_or_index: str | int) -> Camera:
+    """A camera as the world has it now: where animations move it, at the time of the last
+    `World.at`; else where the scene has it."""
+    camera = world.scene.camera(name_or_index)
+    for time_s, animation in world._last_at:
+        pose = camera_path(world, name_or_index, [time_s], animation)[0]
+        return camera.replace(world_from_camera=pose)
+    return camera
+
+
+def camera_path(
+    world: Movable, name_or_index: str | int, times_s: ArrayLike, animation: Animations | None
+) -> NDArray[np.float64]:
+    """Where a camera is at these times, (P, 4, 4): where animations move it, as they say, else
+    where the scene has it."""
+    times = array_of(times_s, "times_s", (None,)).tolist()
+    index = _camera_index(world.scene, name_or_index)
+    animations = animations_of(world.scene, animation).tolist()
+    if not world._rig_parts.moves_camera(index, animations):
+        pose = world.scene.cameras[index].world_from_camera
+        return np.tile(pose, (len(times), 1, 1))
+    poses = [_core.camera_at(world.scene, index, time_s, animations) for time_s in times]
+    return np.array(poses).reshape(-1, 4, 4)
+
+
 def animations_of(scene: Scene, animation: Animations | None) -> NDArray[np.int32]:
     """Indices in ``scene.animations``; none for all."""
     if animation is None:
@@ -206,6 +236,11 @@ def note_moves(world: Movable, indices: NDArray[np.int32], animated: bool) -> No
     """Remember what a render has moved and put back."""
     things = [*indices.tolist(), *(world._engine.animated if animated else ())]
     world._moved.update(_places_before(world, things))
+
+
+def _camera_index(scene: Scene, name_or_index: str | int) -> int:
+    camera = scene.camera(name_or_index)
+    return scene.cameras.index(camera) if isinstance(name_or_index, str) else int(name_or_index)
 
 
 def _places_before(world: Movable, indices: Iterable[int]) -> dict[int, NDArray[np.float64]]:

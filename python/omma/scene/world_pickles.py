@@ -12,7 +12,7 @@ from omma.base.values import check_format
 from omma.scene.lighting import Lighting
 
 # Raised where what is pickled changes.
-_FORMAT = 6
+_FORMAT = 7
 
 
 def parts_of(world: Any) -> tuple[Callable[..., Any], tuple[Any, ...]]:
@@ -41,6 +41,7 @@ def parts_of(world: Any) -> tuple[Callable[..., Any], tuple[Any, ...]]:
             (mesh, engine.positions(mesh), engine.normals(mesh)) for mesh in engine.reshaped
         ],
         "colors": world._colors.parts(),
+        "last_at": world._last_at,
     }
     return _made_again, (type(world), state)
 
@@ -64,6 +65,7 @@ def _made_again(kind: Callable[..., Any], state: dict[str, Any]) -> Any:
         world.set_transforms(state["moved"], np.stack(state["world_from_node"]))
     for mesh, positions, normals in state["shapes"]:
         world.set_vertices(mesh, positions, normals if len(normals) else None)
+    world._last_at[:] = state["last_at"]
     images, colors = state["colors"]
     for image, picture in images.items():
         world.set_image(image, picture)
