@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "light_maps.h"
 #include "world_tests.h"
@@ -251,6 +252,24 @@ TEST(Volumes, KeepAWhiteFurnace) {
   for (std::size_t i = 0; i < found.response.size(); ++i)
     EXPECT_NEAR(found.response[i], 2.0,
                 5 * static_cast<double>(found.standard_error[i]) + 4 * of_tables * 2)
+        << i;
+}
+
+// Nor is a block of glass over a white floor, whose light goes through it at all angles and is
+// mirrored within beyond the critical one.
+TEST(Volumes, KeepAFurnaceWithABlock) {
+  Scene scene;
+  add_level(scene, 0, -1, 50, matter(1));
+  Mesh block = cube_seen_from_inside(0.5, add_material(scene, volume(1.5)));
+  for (auto& triangle : block.triangles) std::swap(triangle[1], triangle[2]);
+  add_instance(scene, add_mesh(scene, block), translation({0, -0.4, 0}));
+  std::vector<Vec3d> directions;
+  for (const double x : {0.0, 0.1, 0.2, 0.3, 0.6}) directions.push_back({x, -1, 0.05});
+  const Result found = rendered(made_world(scene, 1, 200), make_eye(directions, 0.0),
+                                translation({0, 1, 0}), 1 << 13);
+  for (std::size_t i = 0; i < found.response.size(); ++i)
+    EXPECT_NEAR(found.response[i], 1.0,
+                5 * static_cast<double>(found.standard_error[i]) + 4 * of_tables)
         << i;
 }
 

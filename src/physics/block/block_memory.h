@@ -223,7 +223,7 @@ OMMA_HD RayMedia lay_out_media(Scratch& scratch, int lanes) {
   const auto count = static_cast<std::size_t>(lanes);
   RayMedia media;
   media.material = scratch.take<std::int32_t>(count);
-  media.entered = scratch.take<std::int32_t>(count);
+  media.came = scratch.take<std::int32_t>(count);
   media.from_m = scratch.take<float>(count);
   return media;
 }

@@ -1,4 +1,5 @@
-// Volumes that rays go through, such as water and glass: which one a ray is in, and what it absorbs,
+// Volumes that rays go through, such as water and glass: which one a ray is in, and what it
+// absorbs,
 //
 //   L = L_0 exp(-a d)    (Beer and Lambert),
 //
@@ -6,15 +7,18 @@
 // refracts, seen from outside by their front.
 //
 // Rays from the eye bend at boundaries, by Snell's law. Radiance changes there by the square of the
-// indices' ratio (Born and Wolf 1999, 4.8.3): over n^2 is what comes out of a volume, n^2 times what
-// gets in. All other rays, as those to lights, go straight on, which no sample of a light could do
-// otherwise. Through a level surface they bring what bent ones would: the flux through it is the
-// same, and so is the way in the volume, of which they count
+// indices' ratio (Born and Wolf 1999, 4.8.3): over n^2 is what comes out of a volume, n^2 times
+// what gets in. All other rays, as those to lights, go straight on, which no sample of a light
+// could do otherwise. Through a level surface they bring what bent ones would: the flux through it
+// is the same, and so is the way in the volume, of which they count
 //
 //   d cos(t) / cos(t'),   sin(t') = sin(t) / n.
 //
-// What leaves a volume for a surface outside is over n^2 for them too, so that light through a whole
-// body has lost nothing of that.
+// What leaves a volume for a surface outside is over n^2 for them too, so that light through a
+// whole body has lost nothing of that. Of rays that begin within, at all angles, a boundary
+// reflects what it does within: in the mean what does not get out by them comes in by their
+// reciprocal. Once they have been mirrored, or have come straight, it is the sheet that it is from
+// outside: whatever the shape of a body, it then gives back no more than it gets.
 #pragma once
 
 #include "physics/lanes/lane_mask.h"
@@ -27,12 +31,21 @@ namespace omma {
 // for which boundaries hide what lies straight on.
 inline constexpr std::int32_t no_medium = -1, seen_by_eye = -2;
 
+OMMA_HD void set_came(const RayMedia& media, int lane, Came came) {
+  media.came[lane] = static_cast<std::int32_t>(came);
+}
+// Of lanes from l on.
+template <typename L>
+OMMA_HD auto has_come(const RayMedia& media, int l, Came came) {
+  return load<typename L::I>(media.came + l) == static_cast<std::int32_t>(came);
+}
+
 // Rays begin.
 template <typename L>
 OMMA_HD void begin_in(const RayMedia& media, std::int32_t material) {
   for (int l = 0; l < L::count; ++l) {
     media.material[l] = material;
-    media.entered[l] = 0;
+    set_came(media, l, Came::from_within);
     media.from_m[l] = 0;
   }
 }
@@ -54,7 +67,7 @@ OMMA_HD_CALLED void pass_boundaries(const LitSurface<L>& surface, LaneMask<L> st
     const bool is_straight = straight.has(l);
     if (volume != 0) {
       media.material[l] = volume > 0 ? surface.material[l] : no_medium;
-      media.entered[l] = volume > 0 && is_straight ? 1 : 0;
+      set_came(media, l, volume > 0 && is_straight ? Came::straight : Came::from_within);
     }
     media.from_m[l] = is_straight ? t_far_m[l] : 0;
   });
@@ -69,7 +82,7 @@ OMMA_HD typename L::F radiance_scale(const LitSurface<L>& surface, const RayMedi
   using I = typename L::I;
   const I volume = load<I>(surface.volume + l);
   const F one = broadcast<F>(1.0f), n = load<F>(surface.ior + l);
-  const auto leaves = volume < 0 && (bends || load<I>(media.entered + l) > 0);
+  const auto leaves = volume < 0 && (bends || has_come<L>(media, l, Came::straight));
   const F out = leaves ? n * n : one, scale = volume > 0 ? one / (n * n) : out;
   return volume != 0 && load<I>(media.material + l) == seen_by_eye ? F{} : scale;
 }
@@ -95,7 +108,8 @@ OMMA_HD_CALLED void absorb(const SceneView& scene, const RayMedia& media,
     const std::int32_t material = leaves ? surface.material[l] : media.material[l];
     if (material < 0 || scene.scatter[material].absorption_per_m == nullptr) return;
     float way_m = rays.t_far_m[l] - media.from_m[l];
-    if (leaves && media.entered[l] == 0 && !rays.bend.has(l)) {
+    if (leaves && media.came[l] == static_cast<std::int32_t>(Came::from_within) &&
+        !rays.bend.has(l)) {
       const float cosine = rays.cosine[l], ior = scene.scatter[material].ior;
       way_m *= cosine / sqrtf(1.0f - (1.0f - cosine * cosine) / (ior * ior));
     }

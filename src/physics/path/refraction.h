@@ -11,8 +11,8 @@
 namespace omma {
 
 // What is different of surfaces that bound volumes, of lanes from l on. From within they reflect as
-// from outside at the angle by which the ray would leave. What rays from the eye have of that is
-// theirs alone (refract_rays), and not sampled of lights.
+// from outside at the angle by which the ray would leave: rays from the eye and those that begin
+// there. What rays from the eye have of that is theirs alone (refract_rays), not sampled of lights.
 template <typename L, typename Search>
 OMMA_HD_CALLED void make_boundary_point(const Flight<L, Search>& flight,
                                         const LitSurface<L>& surface, int l,
@@ -28,16 +28,17 @@ OMMA_HD_CALLED void make_boundary_point(const Flight<L, Search>& flight,
   const F density = flight.state.gathers ? F{} : load<F>(flight.state.density + l);
   const auto bends = !(density < INFINITY) && (enters || leaves);
   scattering.bends.bits |= lane_bits(bends) << l;
-  if (any_lane(leaves)) {
+  const auto within = leaves && (bends || has_come<L>(flight.memory.media, l, Came::from_within));
+  if (any_lane(within)) {
     const F n = load<F>(surface.ior + l);
     const F cos_2 = one - n * n * (one - point.o.z * point.o.z);
     const F cosine = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
     const F albedo =
         point.dielectric * eval_albedo(point.albedo_tables, point.boundary.row, cosine);
-    point.ior = leaves ? one / n : point.ior;
-    point.dielectric_albedo = leaves ? albedo : point.dielectric_albedo;
-    point.straight = leaves && bends ? load<F>(surface.transmission + l) : point.straight;
-    point.dielectric = leaves && bends ? F{} : point.dielectric;
+    point.ior = within ? one / n : point.ior;
+    point.dielectric_albedo = within ? albedo : point.dielectric_albedo;
+    point.straight = within && bends ? load<F>(surface.transmission + l) : point.straight;
+    point.dielectric = within && bends ? F{} : point.dielectric;
   }
   const F scale = radiance_scale(surface, flight.memory.media, l, bends);
   point.straight = point.straight * (enters || leaves ? scale : one);
@@ -139,8 +140,9 @@ OMMA_HD_CALLED void leave_media(const Flight<L, Search>& flight, const LitSurfac
                                 LaneMask<L> by, LaneMask<L> bent, LaneMask<L> scattered) {
   const RayMedia& media = flight.memory.media;
   scattered.for_each([&](int l) {
-    if (surface.volume[l] < 0) media.material[l] = surface.material[l];
-    media.entered[l] = 0;
+    const bool is_within = surface.volume[l] < 0;
+    if (is_within) media.material[l] = surface.material[l];
+    set_came(media, l, is_within ? Came::mirrored : Came::from_within);
     media.from_m[l] = 0;
   });
   pass_boundaries(surface, by, bent, flight.packet.rays.t_far_m, media);

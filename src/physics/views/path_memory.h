@@ -22,10 +22,14 @@ struct PassedSurfaces {
   PassedSurface* surface = nullptr;  // [lane][capacity], in the order they were met
 };
 
+// How a ray has come to be in a volume: it begins at a surface within; straight through the
+// boundary, or mirrored by that.
+enum class Came : std::int32_t { from_within, straight, mirrored };
+
 // What rays are in (path/media.h), [lane].
 struct RayMedia {
   std::int32_t* material = nullptr;  // of the volume's boundary; no_medium, or seen_by_eye
-  std::int32_t* entered = nullptr;   // 1 where the ray has gone straight into it, else 0
+  std::int32_t* came = nullptr;      // Came
   float* from_m = nullptr;  // up to where along the ray what the volume absorbs has counted
 };
 
