@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 import omma
-from omma.datasets.layout import Layout, make_layouts, view_bytes
+from omma.datasets.layout import Layout, make_layouts, planned, view_bytes
 from omma.datasets.plan import Plan, make_plan
 from omma.datasets.records import digests_of_inputs
 from omma.datasets.shards import make_shard
@@ -122,8 +122,9 @@ def beside(path: Path) -> Beside:
     """Of a job's file."""
     job = omma.datasets.load_job(path)
     eyes = load_eyes(job)
-    plan = make_plan(job, view_bytes(make_layouts(job, eyes)))
-    made = Beside(job, plan, make_layouts(job, eyes, plan), Workshop(job, digests_of_inputs(job)))
+    of_one_view = make_layouts(job, eyes)
+    plan = make_plan(job, view_bytes(of_one_view))
+    made = Beside(job, plan, planned(of_one_view, plan), Workshop(job, digests_of_inputs(job)))
     made.render(plan.views_of(0))
     made.views, made.wall_s, made.cpu_s = 0, 0.0, 0.0  # what the first time takes does not count
     return made

@@ -93,6 +93,22 @@ def test_what_is_there_and_no_store_is_not_replaced(inputs, memory):
     assert memory.cat("/out/a.zarr/thesis.txt") == b"all of it"
 
 
+def test_what_is_no_store_and_came_meanwhile_is_not_replaced(inputs, memory):
+    pytest.importorskip("zarr")
+
+    def meanwhile(stage, share):
+        if stage == "Rendering":
+            memory.pipe("/out/a.zarr/thesis.txt", b"all of it")
+
+    with pytest.raises(
+        omma.Error, match=r"memory://out/a\.zarr: .*zarr\.json in it; what"
+    ) as error:
+        render("memory://out/a.zarr", progress=meanwhile)
+    assert memory.find("/out") == ["/out/a.zarr/thesis.txt"]
+    kept = str(error.value).rsplit(" ", 1)[1]
+    assert os.path.exists(os.path.join(kept, "zarr.json"))
+
+
 def test_what_cannot_be_sent_stays_here(inputs, memory, monkeypatch):
     def refuse(self, *_, **__):
         raise PermissionError("no room for you")

@@ -1,6 +1,9 @@
 """Data sets: what is in a store, that runs go on where others ended, and what is refused."""
 
+import contextlib
+import importlib
 import json
+import os
 import subprocess
 import sys
 import warnings
@@ -12,6 +15,7 @@ from dataset_jobs import bytes_of, made_store, rendered, write_job
 import omma
 from omma import datasets
 
+running = importlib.import_module("omma.datasets.running")
 zarr = pytest.importorskip("zarr")
 xarray = pytest.importorskip("xarray")
 
@@ -179,6 +183,71 @@ def test_two_runs_at_once(made):
         datasets.run(job, store)
 
 
+@pytest.mark.parametrize(
+    ("count", "words"), [(10, "written by another run"), (11, "begun from something else")]
+)
+def test_of_two_runs_that_begin_the_first_one_wins(tmp_path, monkeypatch, count, words):
+    """The other run comes after this one found no store, and writes on while this one names its."""
+    from omma.datasets.records import writing
+
+    store = tmp_path / "made.zarr"
+    other = write_job(tmp_path / "other")
+    job = write_job(tmp_path / "job", count=count)
+    create = running.create_store
+    with contextlib.ExitStack() as still_going_on:
+
+        def create_late(*arguments):
+            monkeypatch.setattr(running, "create_store", create)
+            assert datasets.run(other, store).made == 3
+            still_going_on.enter_context(writing(str(store)))
+            create(*arguments)
+
+        monkeypatch.setattr(running, "create_store", create_late)
+        with pytest.raises(omma.Error, match=words):
+            datasets.run(job, store)
+    assert datasets.verify(store).is_whole
+    assert datasets.run(other, store).made == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["job", "made.zarr", "other"]
+
+
+def test_where_nothing_can_be_written_is_told_before_inputs_are_read(made, tmp_path, monkeypatch):
+    from omma.datasets.records import writing
+
+    job, store = made
+    monkeypatch.setattr(running, "load_eyes", lambda job: pytest.fail("eyes are read"))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(omma.Error, match=r"file is not a directory"):
+        datasets.run(job, tmp_path / "file" / "further" / "job.zarr")
+    with writing(str(store)), pytest.raises(omma.Error, match="written by another run"):
+        datasets.run(job, store)
+    access = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path and access(path, mode))
+    with pytest.raises(omma.Error, match="nothing may be made in"):
+        datasets.run(job, tmp_path / "further" / "job.zarr")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_what_is_said_of_eyes_is_found_once(made, monkeypatch):
+    layout = importlib.import_module("omma.datasets.layout")
+    calls = []
+    labels_of = layout.labels_of
+    monkeypatch.setattr(
+        layout, "labels_of", lambda *of, **more: calls.append(of) or labels_of(*of, **more)
+    )
+    assert datasets.run(*made).made == 0
+    assert len(calls) == 1
+
+
+def test_keys_of_rendering_are_offered_once(tmp_path):
+    with pytest.raises(omma.Error, match="did you mean 'noise'") as error:
+        datasets.load_job(write_job(tmp_path, rendering="noises = 1"))
+    offered = str(error.value).partition("expected one of ")[2].partition(", found")[0].split(", ")
+    assert sorted(offered) == [
+        "angular_sensitivity", "backend", "bands", "devices", "error", "footprints", "least",
+        "most", "noise", "points", "relative_error", "samples", "seed", "shared",
+    ]  # fmt: skip
+
+
 def test_a_full_disk(tmp_path):
     """Files that may not grow: as a full disk, the system refuses to write on."""
     job = write_job(tmp_path, count=8)
@@ -222,8 +291,6 @@ def test_eyes_of_different_sizes_have_groups(tmp_path):
 
 
 def test_a_contact_sheet_has_each_eye_in_a_border():
-    import importlib
-
     contact_sheet = importlib.import_module("omma.datasets.contact_sheet")
     across = contact_sheet._PIXELS
     picture = np.arange(2 * across * 3 * 100, dtype=np.uint8).reshape(100, 2 * across, 3)
@@ -255,7 +322,9 @@ def test_the_old_name_of_angular_sensitivity(tmp_path):
         ("uniform", "uniformly", "sampler: expected one of .*did you mean 'uniform'"),
         ("low_m = [-5, 1, -5]", "low_m = [-5, 4, -5]", "high_m: expected at least low_m"),
         ("samples = 2", "samples = 0", "rendering: samples: expected 1"),
-        ("samples = 2", "samples = 2\nerror = 0.1", "only one of them"),
+        ("samples = 2", "samples = 2\nerror = 0.1", "samples and error: only one of them"),
+        ("samples = 2", "samples = 2\nleast = 8", "samples and least: only one of them"),
+        ("samples = 2", 'sampling = "Fixed"', "rendering: expected one of .*'sampling'"),
         ('"scene.gltf"', '"none.gltf"', r"scene\[0\].file: expected a file"),
         ("[[scene]]", "[[scenes]]", "scene: expected a value"),
         ("seed = 5", 'outputs = ["reponses"]', "did you mean 'responses'"),

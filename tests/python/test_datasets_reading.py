@@ -3,6 +3,7 @@
 import io
 import json
 import tarfile
+import warnings
 
 import numpy as np
 import pytest
@@ -86,10 +87,32 @@ def test_views_of_what_is_there(tmp_path):
     job = write_job(tmp_path)
     datasets.run(job)
     (tmp_path / "job.zarr" / "omma" / "done" / "00000001.json").unlink()
-    views = datasets.open_views(tmp_path / "job.zarr", ["pose"])
+    with pytest.warns(UserWarning, match="6 of 10 views are there; a run of its job makes"):
+        views = datasets.open_views(tmp_path / "job.zarr", ["pose"])
     assert views.numbers.tolist() == [0, 1, 2, 3, 8, 9]
     assert views[4]["pose"] == 8
     assert "6 of 10 views are there, 2 of 3 shards" in datasets.describe(tmp_path / "job.zarr")[0]
+
+
+def test_a_store_that_is_not_whole_says_what_is_missing(made, tmp_path):
+    more = '[[condition]]\nname = "noon"\n[[condition]]\nname = "dusk"\n'
+    datasets.run(write_job(tmp_path, count=4, more=more))
+    store = tmp_path / "job.zarr"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert repr(datasets.open_views(store)).startswith("Views(8 of 8 views of 'bug' in")
+    (store / "omma" / "done" / "00000001.json").unlink()
+    with pytest.warns(UserWarning, match="are there") as told:
+        views = datasets.open_views(store)
+    assert [str(one.message) for one in told] == [
+        f"{store}: 4 of 8 views are there, none of condition 'dusk'; a run of its job makes the "
+        "others"
+    ]
+    assert told[0].filename == __file__
+    assert repr(views).startswith("Views(4 of 8 views of 'bug' in")
+    (store / "omma" / "done" / "00000000.json").unlink()
+    with pytest.warns(UserWarning, match="0 of 8 views are there; a run"):
+        assert len(datasets.open_views(store)) == 0
 
 
 def test_tar_files(made, tmp_path):

@@ -72,7 +72,7 @@ class SentFiles:
     def __init__(self) -> None:
         self._folder = tempfile.mkdtemp(prefix="omma-")
         self._here: dict[str, str] = {}  # by address
-        self._directories: set[str] = set()
+        self._markers: dict[str, str] = {}  # of directories, by address
 
     def path_of(self, name: str) -> str:
         """Where here is written what goes to that address."""
@@ -86,10 +86,12 @@ class SentFiles:
     def directory_of(self, name: str, marker: str) -> str:
         """The same for a directory; one that is there is replaced if ``marker`` is in it."""
         here = self.path_of(name)
+        self._markers[name] = marker
         files, path = _files_of(name)
-        if files.exists(path) and not files.exists(f"{path}/{marker}"):
-            raise Error(f"{name}: cannot be written: what has that name has no {marker} in it")
-        self._directories.add(name)
+        try:
+            _is_taken(files, path, marker)
+        except FileExistsError as error:
+            raise Error(f"{name}: cannot be written: {error}") from None
         return here
 
     def send(self) -> None:
@@ -97,12 +99,12 @@ class SentFiles:
         for name, here in self._here.items():
             files, path = _files_of(name)
             try:
-                if name in self._directories and files.exists(path):
+                if name in self._markers and _is_taken(files, path, self._markers[name]):
                     files.rm(path, recursive=True)
                 parent = path.rstrip("/").rpartition("/")[0]
                 if parent and name.partition(":")[0].lower() not in _WITHOUT_FOLDERS:
                     files.makedirs(parent, exist_ok=True)
-                if name in self._directories:
+                if name in self._markers:
                     files.put(f"{here}/", f"{path}/", recursive=True)
                 else:
                     files.put_file(here, path)
@@ -119,6 +121,15 @@ class SentFiles:
 
     def _remove(self, here: str) -> None:
         shutil.rmtree(os.path.dirname(here), ignore_errors=True)
+
+
+def _is_taken(files: Any, path: str, marker: str) -> bool:
+    """Whether something has a directory's name; FileExistsError where that has no marker."""
+    if not files.exists(path):
+        return False
+    if not files.exists(f"{path}/{marker}"):
+        raise FileExistsError(f"what has that name has no {marker} in it")
+    return True
 
 
 def _files_of(name: str) -> tuple[Any, str]:

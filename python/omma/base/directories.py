@@ -6,6 +6,7 @@ import os
 import re
 import secrets
 import shutil
+from contextlib import suppress
 from pathlib import Path
 
 from omma._core import Error
@@ -34,12 +35,11 @@ class WholeDirectory:
     """
 
     def __init__(self, name: str, marker: str) -> None:
-        """One of that name is replaced if the file ``marker`` is in it; links are followed."""
-        self._name = name
+        """One of that name is replaced if the file ``marker`` is in it, else omma.Error; links are
+        followed."""
+        self._name, self._marker = name, marker
         self._target = Path(os.path.realpath(name))
-        if self._target.exists() and not (self._target / marker).is_file():
-            raise Error(f"{name}: cannot be written: what has that name has no {marker} in it")
-        self._token = secrets.token_hex(_TOKEN_BYTES)
+        self._is_taken()
         self._own = self._beside("partial")
         try:
             self._own.mkdir()
@@ -62,19 +62,52 @@ class WholeDirectory:
         except OSError as error:
             raise self._error(error) from None
 
-    def finish(self) -> None:
-        """Give it its name."""
-        old = self._beside("replaced")
+    def finish(self, replaces: bool = True) -> bool:
+        """Give it its name. Of several that replace each other the last one wins, whole; where it
+        is not to replace what has that name, False, and it has none."""
+        moved: list[Path] = []
         try:
-            replaces = self._target.exists()
-            if replaces:
-                self._target.rename(old)
-            self._own.rename(self._target)
+            while not self._gets_its_name():
+                if not replaces:
+                    return False
+                old = self._beside("replaced")
+                with suppress(FileNotFoundError):  # another process has taken that one away
+                    self._target.rename(old)
+                    moved.append(old)
             sync(str(self._target.parent))
         except OSError as error:
+            if moved and not self._target.exists():
+                with suppress(OSError):
+                    moved[-1].rename(self._target)
             raise self._error(error) from None
-        if replaces:
+        for old in moved:
             shutil.rmtree(old, ignore_errors=True)
+        return True
+
+    def _gets_its_name(self) -> bool:
+        """Give it its name, unless something has that; a full directory is never renamed over."""
+        if self._is_taken():
+            return False
+        try:
+            self._own.rename(self._target)
+        except OSError:
+            if self._is_taken():  # since it was asked
+                return False
+            raise
+        return True
+
+    def _is_taken(self) -> bool:
+        """Whether something has its name; omma.Error where that has no marker."""
+        marker = self._target / self._marker
+        if marker.is_file():
+            return True
+        if not self._target.exists():
+            return False
+        if not marker.is_file():  # asked again: another process may have named its own in between
+            raise Error(
+                f"{self._name}: cannot be written: what has that name has no {self._marker} in it"
+            )
+        return True
 
     def discard(self) -> None:
         """Remove it, unless it has its name."""
@@ -85,7 +118,8 @@ class WholeDirectory:
             self._lock = -1
 
     def _beside(self, ending: str) -> Path:
-        return self._target.with_name(f".{self._target.name}.{self._token}.{ending}")
+        token = secrets.token_hex(_TOKEN_BYTES)
+        return self._target.with_name(f".{self._target.name}.{token}.{ending}")
 
     def _error(self, error: OSError) -> Error:
         return Error(f"{self._name}: cannot be written: {error.strerror}")

@@ -60,6 +60,9 @@ def contact_sheet(
 
     Raises:
         omma.Error: no data set, one without responses or without a view yet; no Matplotlib.
+
+    Warns:
+        UserWarning: the data set is not whole, as of `open_views`.
     """
     names = figure_names(paths)
     count, seed = whole(count, "count", 1, _MOST), whole(seed, "seed", 0, 1 << 40)

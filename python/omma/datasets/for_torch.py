@@ -43,8 +43,10 @@ def torch_stream(views: Views, batch_size: int = 64, *, shuffle: bool = True) ->
     time: many times faster from disks than views one by one.
 
     Chunks are shuffled, and the views of eight of them at a time; each view comes once. Several
-    workers share the chunks. The order follows from the loader's generator, as that of
-    ``shuffle=True`` in loaders of other data sets does, and is another one in each epoch::
+    workers share the batches, whose number is its length. The order follows from the loader's
+    generator, as that of ``shuffle=True`` in loaders of other data sets does, and is another one in
+    each epoch. For ``batch_size=None`` of a `torch.utils.data.DataLoader`, which with a number
+    would stack whole batches, and fail at the last one, which may be smaller::
 
         loader = torch.utils.data.DataLoader(
             omma.datasets.torch_stream(views, 256), batch_size=None, num_workers=2
@@ -52,7 +54,7 @@ def torch_stream(views: Views, batch_size: int = 64, *, shuffle: bool = True) ->
 
     Args:
         views: of `open_views`.
-        batch_size: views in a batch; the last of each worker may have fewer.
+        batch_size: views in a batch; the last may have fewer.
         shuffle: False: as they come in the store, by worker.
 
     Returns:

@@ -43,7 +43,6 @@ from omma.rendering.settings import (
     Shared,
     ToError,
     options_of,
-    settings_as_record,
 )
 from omma.scene.device_list import ordinals
 from omma.scene.gltf_text import names_splats
@@ -248,28 +247,26 @@ def _check_truths(
 
 def _settings(table: Table) -> Settings:
     """Of the table, which ends with it."""
-    ways: dict[str, Sampling] = {}
+    of_error = [one.name for one in options_of(ToError)]
+    of_rays = ["samples", "shared", *of_error]
+    given = [name for name in of_rays if table.has(name)]
+    sampling: Sampling = Settings.sampling
     try:
+        if len(given) > 1 and not set(given) <= set(of_error):
+            raise Error(f"{' and '.join(given)}: only one of them can say how many rays there are")
         if table.has("samples"):
-            ways["samples"] = Fixed(table.take("samples", same))
-        if table.has("shared"):
-            ways["shared"] = Shared(table.take("shared", same))
-        if table.has("error") or table.has("relative_error"):
-            of_error = [one.name for one in options_of(ToError)]
-            ways["error"] = ToError(**{key: table.take(key, same, None) for key in of_error})
-        if len(ways) > 1:
-            raise Error(f"{' and '.join(ways)}: only one of them can say how many rays there are")
+            sampling = Fixed(table.take("samples", same))
+        elif table.has("shared"):
+            sampling = Shared(table.take("shared", same))
+        elif given:
+            sampling = ToError(**{key: table.take(key, same, None) for key in of_error})
         names = [*(one.name for one in options_of(Settings)), "kernel"]  # the old name too
         options = {name: table.take(name, same) for name in names if table.has(name)}
-        settings = Settings(next(iter(ways.values()), Settings.sampling), **options)
+        settings = Settings(sampling, **options)
     except (Error, TypeError) as error:
         raise Error(f"{table.where}: {error}") from None
-    for one in (
-        *settings_as_record(settings),
-        *(one.name for one in options_of(ToError)),
-        "shared",
-    ):
-        table.take(one, same, None)
+    for name in (*of_rays, *(one.name for one in options_of(Settings))):
+        table.take(name, same, None)  # what is not there is known too
     table.end()
     return settings
 

@@ -59,9 +59,9 @@ class Layout:
     group: str  # "" for the store itself
     variables: dict[str, Variable]
     labels: Labels  # of one view: coordinates and attributes
-    views: int
-    views_per_chunk: int
-    views_per_shard: int
+    views: int = 1
+    views_per_chunk: int = 1
+    views_per_shard: int = 1
 
     def file(self, variable: str, shard: int) -> str:
         """Where a shard of a variable is, in the store."""
@@ -125,17 +125,30 @@ def _fill_value(dtype: str) -> float:
     return np.nan if np.dtype(dtype).kind == "f" else 0
 
 
-def make_layouts(job: Job, eyes: Mapping[str, Eye], plan: Plan | None = None) -> dict[str, Layout]:
-    """The group of each eye, by the eye's name; without a plan only to see how large views are."""
+def make_layouts(job: Job, eyes: Mapping[str, Eye]) -> dict[str, Layout]:
+    """The group of each eye, by the eye's name, as of one view: `view_bytes` says how large it is,
+    by which there is a plan, and `planned` makes them those of all views."""
     found = {}
     for eye_name, eye in eyes.items():
         labels = _labels(job, eye)
         variables, coordinates = _variables(job, eye, labels)
         labels = replace(labels, coordinates=labels.coordinates | coordinates)
         group = "" if len(eyes) == 1 else eye_name
-        sizes = (plan.views, plan.views_per_chunk, plan.views_per_shard) if plan else (1, 1, 1)
-        found[eye_name] = Layout(group, variables, labels, *sizes)
+        found[eye_name] = Layout(group, variables, labels)
     return found
+
+
+def planned(layouts: Mapping[str, Layout], plan: Plan) -> dict[str, Layout]:
+    """The groups with the views of a plan."""
+    return {
+        eye: replace(
+            layout,
+            views=plan.views,
+            views_per_chunk=plan.views_per_chunk,
+            views_per_shard=plan.views_per_shard,
+        )
+        for eye, layout in layouts.items()
+    }
 
 
 def view_bytes(layouts: Mapping[str, Layout]) -> tuple[int, int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,12 +18,14 @@ from omma.base.arguments import checked, one_of, whole
 from omma.base.files import PathLike, reading
 from omma.base.rows import is_one, row_of, rows_of
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
 from omma.datasets.layout import VIEW
 from omma.datasets.records import open_store, read_manifest, read_record, shards_done
 
 Batch = dict[str, NDArray[Any]]
 
 _MOST = 1 << 40
+_NAMED = 8
 _READERS = 2  # threads; Zarr reads the chunks of one batch with more
 
 
@@ -44,6 +46,8 @@ class Views:
     variables: tuple[str, ...]
     numbers: NDArray[np.int64]
     """(V,), ascending: which views of the data set it has."""
+    total: int | None = None
+    """How many views the data set has when it is whole."""
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -81,7 +85,8 @@ class Views:
 
     def __repr__(self) -> str:
         names = ", ".join(self.variables)
-        return f"Views({len(self)} of {self.eye!r} in {self.store!r}: {names})"
+        of = "" if self.total is None else f" of {self.total:,}"
+        return f"Views({len(self):,}{of} views of {self.eye!r} in {self.store!r}: {names})"
 
     @cached_property
     def _arrays(self) -> dict[str, Any]:
@@ -98,6 +103,9 @@ def open_views(
 ) -> Views:
     """The views in a data set that are there, also of one that is not whole yet.
 
+    Of one that is not whole scenes, conditions or sets of poses may be missing altogether, as views
+    are made in this order.
+
     Args:
         store: the data set.
         variables: which arrays to read: "response", "world_from_head", "scene", "distance", ...
@@ -105,6 +113,10 @@ def open_views(
 
     Raises:
         omma.Error: no data set, no such eye or variable.
+
+    Warns:
+        UserWarning: the data set is not whole: how many of its views are there, and of which
+            scenes, conditions and sets of poses there is none.
     """
     path = os.fsdecode(store)
     manifest = read_manifest(path)
@@ -119,9 +131,11 @@ def open_views(
     inside = manifest["groups"][eye]
     group = open_store(path)
     with reading(path, "a Zarr store"):
-        arrays = list((group[inside] if inside else group).arrays())
+        arrays = dict((group[inside] if inside else group).arrays())
     known = [
-        name for name, array in arrays if (array.metadata.dimension_names or ())[:1] == (VIEW,)
+        name
+        for name, array in arrays.items()
+        if (array.metadata.dimension_names or ())[:1] == (VIEW,)
     ]
     for one in variables:
         one_of(one, sorted(known), "variables")
@@ -135,7 +149,29 @@ def open_views(
             )
         parts.append(np.arange(first, stop))
     numbers = np.concatenate(parts)
-    return Views(os.path.abspath(path), eye, tuple(variables), numbers)
+    if len(numbers) < manifest["views"]:
+        with reading(path, "a data set"):
+            missing = _missing(arrays, manifest["names"], numbers)
+        none = f", none of {', '.join(missing)}" if missing and len(numbers) else ""
+        warn_caller(
+            f"{path}: {len(numbers):,} of {manifest['views']:,} views are there{none}; a run of "
+            "its job makes the others",
+            UserWarning,
+        )
+    return Views(os.path.abspath(path), eye, tuple(variables), numbers, manifest["views"])
+
+
+def _missing(
+    arrays: Mapping[str, Any], names: Mapping[str, list[str]], numbers: NDArray[np.int64]
+) -> list[str]:
+    """Scenes, conditions and sets of poses of which there is no view, a few by their names."""
+    found = []
+    for kind in ("scene", "condition", "pose_set"):
+        of_views = np.asarray(arrays[kind][...])
+        lacking = [names[kind][k] for k in np.setdiff1d(of_views, of_views[numbers])]
+        found += [f"{kind} {name!r}" for name in lacking]
+    more = [f"{len(found) - _NAMED} more"] if len(found) > _NAMED else []
+    return found[:_NAMED] + more
 
 
 @checked

@@ -15,7 +15,8 @@ from omma import _core
 from omma._core import Error, Scene
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
-from omma.base.files import PathLike, WholeFiles, make_directory
+from omma.base.directories import WholeDirectory
+from omma.base.files import PathLike, make_directory
 from omma.base.progress import Progress, Stage
 from omma.base.values import value_class
 from omma.datasets.cluster import make_on_cluster, scheduler_of
@@ -24,6 +25,7 @@ from omma.datasets.layout import (
     Layout,
     create_store,
     make_layouts,
+    planned,
     view_bytes,
     view_coordinates,
 )
@@ -119,11 +121,13 @@ def run(
     if not isinstance(job, Job):
         job = load_job(job)
     path = os.path.abspath(job.store if store is None else expect_local(store, "a data set"))
+    _expect_writable(path)
     tell("Checking inputs", None)
     eyes = load_eyes(job)
     load_cameras(job)
-    plan = make_plan(job, view_bytes(make_layouts(job, eyes)))
-    layouts = make_layouts(job, eyes, plan)
+    of_one_view = make_layouts(job, eyes)
+    plan = make_plan(job, view_bytes(of_one_view))
+    layouts = planned(of_one_view, plan)
     digests = digests_of_inputs(job)
     _begin(job, path, plan, layouts, digests)
     with writing(path):
@@ -174,6 +178,21 @@ def verify(
     return VerifyReport(path, shards, tuple(missing), tuple(damaged), tuple(left))
 
 
+def _expect_writable(path: str) -> None:
+    """omma.Error at once, not after minutes of work, where no store can be made or gone on with."""
+    if os.path.lexists(path):
+        read_manifest(path)
+        with writing(path):
+            return
+    folder = Path(path).parent
+    while not os.path.lexists(folder):
+        folder = folder.parent
+    if not folder.is_dir():
+        raise Error(f"{path}: cannot be written: {folder} is not a directory")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise Error(f"{path}: cannot be written: nothing may be made in {folder}")
+
+
 def _begin(
     job: Job,
     path: str,
@@ -181,20 +200,25 @@ def _begin(
     layouts: dict[str, Layout],
     digests: dict[str, str],
 ) -> None:
-    """Make the store where there is none; else see that it is of this very job."""
+    """Make the store where there is none; else, also where another run has made one meanwhile, see
+    that it is of this very job."""
     backend = World(Scene(), backend=job.backend, devices=job.devices, threads=1).backend
     groups = {eye: layout.group for eye, layout in layouts.items()}
     manifest = make_manifest(job, plan, digests, backend, groups)
-    if os.path.lexists(path):
-        check_same(path, read_manifest(path), manifest)
-        return
-    check_instances(job)
-    make_directory(Path(path).parent)
-    with WholeFiles() as files:
-        folder = files.open_directory(path, ZARR_MARKER)
-        with _told_of(path):
-            create_store(folder, layouts, view_coordinates(job, plan), manifest)
-            os.makedirs(record_folder(folder))
+    if not os.path.lexists(path):
+        check_instances(job)
+        make_directory(Path(path).parent)
+        store = WholeDirectory(path, ZARR_MARKER)
+        try:
+            with _told_of(path):
+                create_store(store.temporary, layouts, view_coordinates(job, plan), manifest)
+                os.makedirs(record_folder(store.temporary))
+            store.sync()
+            if store.finish(replaces=False):
+                return
+        finally:
+            store.discard()
+    check_same(path, read_manifest(path), manifest)
 
 
 def _make_here(

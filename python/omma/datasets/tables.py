@@ -26,7 +26,7 @@ class Table:
             raise Error(f"{where}: expected a table, found {values!r:.60}")
         self.where = where
         self._values = dict(values)
-        self._known: list[str] = []
+        self._known: dict[str, None] = {}  # in their order, each once
 
     def take(self, key: str, read: Callable[[Any, str], T], default: Any = _MISSING) -> T:
         """The value of a key as ``read(value, where)`` gives it; ``default`` where it is not there.
@@ -34,7 +34,7 @@ class Table:
         Raises:
             omma.Error: it is missing and has no default, or ``read`` refuses it.
         """
-        self._known.append(key)
+        self._known[key] = None
         where = f"{self.where}.{key}"
         if key not in self._values:
             if default is _MISSING:

@@ -63,6 +63,10 @@ class ViewStream(IterableDataset):  # type: ignore[misc,unused-ignore]
         self._size, self._shuffle = batch_size, shuffle
         self._times = 0
 
+    def __len__(self) -> int:
+        """Batches of all workers together."""
+        return -(-len(self._opened.here()) // self._size)
+
     def __iter__(self) -> Iterator[dict[str, torch.Tensor]]:
         views = self._opened.here()
         worker, workers, rng = shared_work(self._times)
@@ -70,13 +74,22 @@ class ViewStream(IterableDataset):  # type: ignore[misc,unused-ignore]
         chunks = chunks_of(views)
         if self._shuffle:
             rng.shuffle(chunks)
-        own = chunks[worker::workers]
+        # The order of all views is the same in all workers, and each has batches in a row of it:
+        # chunks that two workers read are only at the two ends of these.
+        first, stop = (len(self) * k // workers * self._size for k in (worker, worker + 1))
+        place = 0
         left: Batch | None = None
-        for first in range(0, len(own), _MIXED):
-            which = np.concatenate(own[first : first + _MIXED])
+        for chunk in range(0, len(chunks), _MIXED):
+            if place >= stop:
+                break
+            which = np.concatenate(chunks[chunk : chunk + _MIXED])
             if self._shuffle:
                 rng.shuffle(which)
-            found = views[which]
+            own = which[max(0, first - place) : max(0, stop - place)]
+            place += len(which)
+            if len(own) == 0:
+                continue
+            found = views[own]
             if left is not None:
                 found = {name: np.concatenate([left[name], found[name]]) for name in found}
             count = len(next(iter(found.values())))

@@ -50,6 +50,9 @@ def to_webdataset(
     Raises:
         omma.Error: no data set, no such eye or variable; a file cannot be written. Files are there
             whole or not at all.
+
+    Warns:
+        UserWarning: the data set is not whole, as of `open_views`.
     """
     number = whole(views_per_file, "views_per_file", 1, _MOST)
     views = open_views(store, (*dict.fromkeys((*variables, *_ABOUT)),), eye=eye)
