@@ -184,12 +184,17 @@ OMMA_HD ErrorMemory lay_out_error(Scratch& scratch, const FrameView& frame) {
   return error;
 }
 
-OMMA_HD PassedSurfaces lay_out_passed(Scratch& scratch, int lanes) {
+// What rays remember of the surfaces that they have passed. Numbers of a lane lie together, as what
+// is taken apart is 64 bytes at least.
+OMMA_HD void lay_out_passed(Scratch& scratch, int lanes, SpectraMemory& rays) {
   const auto count = static_cast<std::size_t>(lanes);
-  PassedSurfaces passed;
-  passed.count = scratch.take<std::int32_t>(count);
-  passed.surface = scratch.take<PassedSurface>(count * PassedSurfaces::capacity);
-  return passed;
+  rays.passed.count = scratch.take<std::int32_t>(4 * count);
+  if (rays.passed.count != nullptr) {
+    rays.media.material = rays.passed.count + count;
+    rays.media.came = rays.passed.count + 2 * count;
+    rays.media.from_m = reinterpret_cast<float*>(rays.passed.count + 3 * count);
+  }
+  rays.passed.surface = scratch.take<PassedSurface>(count * PassedSurfaces::capacity);
 }
 
 OMMA_HD Visits<1> lay_out_visits(Scratch& scratch) {
@@ -219,15 +224,6 @@ OMMA_HD void lay_out_beside(Scratch& scratch, const FrameView& frame, BlockMemor
   scratch.used = discs.used > scratch.used ? discs.used : scratch.used;
 }
 
-OMMA_HD RayMedia lay_out_media(Scratch& scratch, int lanes) {
-  const auto count = static_cast<std::size_t>(lanes);
-  RayMedia media;
-  media.material = scratch.take<std::int32_t>(count);
-  media.came = scratch.take<std::int32_t>(count);
-  media.from_m = scratch.take<float>(count);
-  return media;
-}
-
 // What a thread needs that goes through packets of so many lanes.
 OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
@@ -243,14 +239,11 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
       scene.light == nullptr ? 1 : static_cast<std::size_t>(packets_at_once(lanes));
   memory.radiance = scratch.take<float>(components * one * packets);
   if (lets_through(scene)) {
-    memory.paths.passed = lay_out_passed(scratch, lanes);
-    if (scene.light != nullptr) memory.paths.shadow.passed = lay_out_passed(scratch, lanes);
+    lay_out_passed(scratch, lanes, memory.paths);
+    if (scene.light != nullptr) lay_out_passed(scratch, lanes, memory.paths.shadow);
   }
   if (scene.light != nullptr) {
     PathMemory& paths = memory.paths;
-    if (scene.has_volumes)
-      for (SpectraMemory* rays : {static_cast<SpectraMemory*>(&paths), &paths.shadow})
-        rays->media = lay_out_media(scratch, lanes);
     // As WaitingPaths has scratch, which one lane has no need of.
     const bool by_band = mirrors_by_band(scene);
     if (lanes > 1) {

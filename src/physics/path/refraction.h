@@ -140,10 +140,14 @@ OMMA_HD_CALLED void leave_media(const Flight<L, Search>& flight, const LitSurfac
                                 LaneMask<L> by, LaneMask<L> bent, LaneMask<L> scattered) {
   const RayMedia& media = flight.memory.media;
   scattered.for_each([&](int l) {
-    const bool is_within = surface.volume[l] < 0;
-    if (is_within) media.material[l] = surface.material[l];
-    set_came(media, l, is_within ? Came::mirrored : Came::from_within);
     media.from_m[l] = 0;
+    if (surface.volume[l] >= 0) {
+      set_came(media, l, Came::from_within);
+    } else {
+      media.material[l] = surface.material[l];
+      if (media.came[l] != static_cast<std::int32_t>(Came::straight))
+        set_came(media, l, Came::mirrored);
+    }
   });
   pass_boundaries(surface, by, bent, flight.packet.rays.t_far_m, media);
 }
