@@ -17,8 +17,8 @@ import numpy as np
 import omma
 from omma.light import clear_sky, clouded, with_air
 
-# The middle of the meadow's pond.
-POND_M = np.array([34.7, -0.2, -15.5])
+# The middle of the meadow's pond, and how far above it the pond is a third of an ant's view.
+POND_M, HEIGHT_M = np.array([34.7, -0.2, -15.5]), 0.8
 
 
 def main() -> None:
@@ -53,7 +53,7 @@ def main() -> None:
         )
     }
     above = np.eye(4)
-    above[:3, 3] = POND_M + (0, 0.5, 0)
+    above[:3, 3] = POND_M + (0, HEIGHT_M, 0)
     compare(ponds, eye, above, rounds)
 
 

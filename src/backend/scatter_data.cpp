@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -140,8 +141,12 @@ void add_volume(const Maker& make, const Material& m, ScatterView& view) {
                                  w[1] * static_cast<double>(left.y) +
                                  w[2] * static_cast<double>(left.z)};
   });
-  constexpr float black = 1e-26f;  // by which all light is gone after the distance
-  for (float& x : of_bands) x = -std::log(std::clamp(x, black, 1.0f)) / m.attenuation_distance_m;
+  constexpr double black = 1e-26;  // by which all light is gone after the distance
+  constexpr double most_per_m = std::numeric_limits<float>::max();
+  for (float& x : of_bands)
+    x = static_cast<float>(std::min(-std::log(std::clamp(static_cast<double>(x), black, 1.0)) /
+                                        static_cast<double>(m.attenuation_distance_m),
+                                    most_per_m));
   view.absorption_per_m = make.keep(std::move(of_bands));
 }
 

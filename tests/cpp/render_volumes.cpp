@@ -239,20 +239,24 @@ TEST(Volumes, LetLightThroughAfterTheLastScattering) {
 }
 
 // Where all is white, nothing absorbs and the sky is even, all shows the sky's radiance: what is
-// within a volume, over n^2, too.
+// within a volume, over n^2, too, and where the surface scatters half of what gets through it.
 TEST(Volumes, KeepAWhiteFurnace) {
-  Scene pond;
-  add_level(pond, 0, 0, 50, volume(water));
-  add_level(pond, 0, -1, 50, matter(1));
-  std::vector<Vec3d> directions;
-  for (const Vec3d& d : sphere_directions(120))
-    if (d.y < -0.1) directions.push_back(d);
-  const Eye eye = make_eye(directions, 0.0);
-  const Result found = rendered(made_world(pond, 2, 200), eye, translation({0, 1, 0}), 4096);
-  for (std::size_t i = 0; i < found.response.size(); ++i)
-    EXPECT_NEAR(found.response[i], 2.0,
-                5 * static_cast<double>(found.standard_error[i]) + 4 * of_tables * 2)
-        << i;
+  for (const float transmission : {1.0f, 0.5f}) {
+    Material surface = volume(water);
+    surface.transmission = transmission;
+    Scene pond;
+    add_level(pond, 0, 0, 50, surface);
+    add_level(pond, 0, -1, 50, matter(1));
+    std::vector<Vec3d> directions;
+    for (const Vec3d& d : sphere_directions(120))
+      if (d.y < -0.1) directions.push_back(d);
+    const Eye eye = make_eye(directions, 0.0);
+    const Result found = rendered(made_world(pond, 2, 200), eye, translation({0, 1, 0}), 4096);
+    for (std::size_t i = 0; i < found.response.size(); ++i)
+      EXPECT_NEAR(found.response[i], 2.0,
+                  5 * static_cast<double>(found.standard_error[i]) + 4 * of_tables * 2)
+          << transmission << ' ' << i;
+  }
 }
 
 // Nor is a block of glass over a white floor, whose light goes through it at all angles and is
@@ -302,9 +306,9 @@ TEST(Volumes, KeepAFurnaceWithGlass) {
         << i;
 }
 
-// A fish below water is seen through the surface of one mesh and hidden by nothing; a disc of the
-// sky is not seen straight through it.
-TEST(Volumes, HideDiscsThatLieStraightOn) {
+// A disc of the sky is not seen straight through a surface from below, but where it is refracted:
+// the mean of n^2 T L by the acceptance over the directions that leave into the disc.
+TEST(Volumes, BendRaysToDiscs) {
   Scene scene;
   add_level(scene, 0, 0, 50, volume(water));
   add_level(scene, 0, -3, 50, matter(0));
@@ -312,22 +316,40 @@ TEST(Volumes, HideDiscsThatLieStraightOn) {
   lighting.light.bands = narrow_bands(3);
   lighting.light.unit = LightUnit::watts;
   lighting.depth = 4;
-  lighting.light.discs.push_back({.direction = {0.6f, 0.8f, 0},
-                                  .angular_radius_rad = 0.02,
+  const double radius = 0.02, width = 0.02;
+  const Vec3d disc{0.6, 0.8, 0};
+  lighting.light.discs.push_back({.direction = to_float(disc),
+                                  .angular_radius_rad = radius,
                                   .radiance = {100, 100, 100},
                                   .limb_darkening = {}});
   const World world(std::make_shared<const Scene>(scene),
                     {.backend = backend_under_test, .lighting = lighting});
-  const Mat4 below = translation({0, -1, 0});
-  const double sine = 0.6 / water;
+  const auto along = [](double x) { return Vec3d{x, std::sqrt(1 - x * x), 0}; };
   const auto at = [&](double x) {
-    const Eye eye = make_eye({x, std::sqrt(1 - x * x), 0}, 0.02);
-    return rendered(world, eye, below, 4096);
+    return rendered(world, make_eye(along(x), width), translation({0, -1, 0}), 1 << 14);
   };
   EXPECT_EQ(at(0.6).response[0], 0);
-  // Its image is smaller by n^2 and brighter by as much: the mean over the acceptance stays.
+
+  const double sine = 0.6 / water;
+  constexpr int steps = 400;
+  double all = 0, through = 0;
+  for (int i = 0; i < steps; ++i)
+    for (int k = 0; k < steps; ++k) {
+      // To 2.5 widths, where a Gaussian is 3e-8 of its middle.
+      const double theta = 2.5 * width * (i + 0.5) / steps, phi = 2 * pi * (k + 0.5) / steps;
+      const double s =
+          std::exp(-4 * std::log(2.0) * theta * theta / (width * width)) * std::sin(theta);
+      all += s;
+      const Vec3d d = direction_about(along(sine), theta, phi);
+      const Vec3d out{water * d.x, std::sqrt(1 - water * water * (d.x * d.x + d.z * d.z)),
+                      water * d.z};
+      if (dot(out, disc) < std::cos(radius)) continue;
+      through += s * water * water * fresnel(std::acos(out.y), water).through();
+    }
   const Result image = at(sine);
-  EXPECT_GT(image.response[0], 10);
+  const double wanted = 100 * through / all;
+  EXPECT_NEAR(image.response[0], wanted,
+              5 * static_cast<double>(image.standard_error[0]) + 2 * of_tables * wanted);
 }
 
 TEST(Volumes, AreChecked) {

@@ -202,10 +202,11 @@ def camera_now(world: Movable, name_or_index: str | int) -> Camera:
     """A camera as the world has it now: where animations move it, at the time of the last
     `World.at`; else where the scene has it."""
     camera = world.scene.camera(name_or_index)
-    for time_s, animation in world._last_at:
-        pose = camera_path(world, name_or_index, [time_s], animation)[0]
-        return camera.replace(world_from_camera=pose)
-    return camera
+    if not world._last_at:
+        return camera
+    ((time_s, animation),) = world._last_at
+    pose = camera_path(world, name_or_index, [time_s], animation)[0]
+    return camera.replace(world_from_camera=pose)
 
 
 def camera_path(

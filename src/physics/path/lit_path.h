@@ -119,7 +119,7 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
   if (flight.scene.has_volumes)
     bent = on & lanes_where<L>([&](int l) { return load<I>(sample.lobe + l) == refracted; });
   const LaneMask<L> scattered = play_roulette(flight, on & ~by & ~bent, sample, most);
-  if (flight.scene.has_volumes) leave_media(flight, surface, by, bent, scattered);
+  if (flight.scene.has_volumes) leave_media(flight, surface, sample, by, bent, scattered);
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
   scatter_rays(flight, scattered, geometry, sample);
   if (bent.any()) bend_rays(flight, bent, geometry, sample);

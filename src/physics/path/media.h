@@ -73,16 +73,16 @@ OMMA_HD_CALLED void pass_boundaries(const LitSurface<L>& surface, LaneMask<L> st
   });
 }
 
-// By what light that goes through boundaries changes as radiance: of lanes from l on, some of which
-// bend. 0 where nothing may go straight on.
-template <typename L, typename Mask>
+// By what light that goes through boundaries changes as radiance: of lanes from l on, of which
+// those in `bend` do so. 0 where nothing may go straight on.
+template <typename L>
 OMMA_HD typename L::F radiance_scale(const LitSurface<L>& surface, const RayMedia& media, int l,
-                                     Mask bends) {
+                                     LaneMask<L> bend) {
   using F = typename L::F;
   using I = typename L::I;
   const I volume = load<I>(surface.volume + l);
   const F one = broadcast<F>(1.0f), n = load<F>(surface.ior + l);
-  const auto leaves = volume < 0 && (bends || has_come<L>(media, l, Came::straight));
+  const auto leaves = volume < 0 && (bend.at(l) || has_come<L>(media, l, Came::straight));
   const F out = leaves ? n * n : one, scale = volume > 0 ? one / (n * n) : out;
   return volume != 0 && load<I>(media.material + l) == seen_by_eye ? F{} : scale;
 }
@@ -111,7 +111,7 @@ OMMA_HD_CALLED void absorb(const SceneView& scene, const RayMedia& media,
     if (leaves && media.came[l] == static_cast<std::int32_t>(Came::from_within) &&
         !rays.bend.has(l)) {
       const float cosine = rays.cosine[l], ior = scene.scatter[material].ior;
-      way_m *= cosine / sqrtf(1.0f - (1.0f - cosine * cosine) / (ior * ior));
+      way_m *= cosine / sqrt_lanes(1.0f - (1.0f - cosine * cosine) / (ior * ior));
     }
     for (int b = 0; b < scene.bands; ++b)
       throughput[b * n + l] *=

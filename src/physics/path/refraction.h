@@ -35,12 +35,17 @@ OMMA_HD_CALLED void make_boundary_point(const Flight<L, Search>& flight,
     const F cosine = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
     const F albedo =
         point.dielectric * eval_albedo(point.albedo_tables, point.boundary.row, cosine);
+    // Of what gets through, the part that the base scatters.
+    const F let_in = one - point.dielectric_albedo;
+    const F more = (one - albedo) / (let_in > 1e-3f ? let_in : broadcast<F>(1e-3f));
+    point.base = within ? point.base * more : point.base;
+    point.diffuse = within ? point.diffuse * more : point.diffuse;
     point.ior = within ? one / n : point.ior;
     point.dielectric_albedo = within ? albedo : point.dielectric_albedo;
     point.straight = within && bends ? load<F>(surface.transmission + l) : point.straight;
     point.dielectric = within && bends ? F{} : point.dielectric;
   }
-  const F scale = radiance_scale(surface, flight.memory.media, l, bends);
+  const F scale = radiance_scale(surface, flight.memory.media, l, scattering.bends);
   point.straight = point.straight * (enters || leaves ? scale : one);
 }
 
@@ -134,20 +139,25 @@ OMMA_HD_CALLED void pass_media(const Flight<L, Search>& flight, const LitSurface
          {met, points.bends, flight.packet.rays.t_far_m, cosine}, flight.memory.throughput);
 }
 
-// What rays are in that go on: straight, bent, or scattered back to where they come from.
+// What rays are in that go on: straight, bent, or scattered. Those that a base scatters begin
+// there, on its other side where that is the lobe's.
 template <typename L, typename Search>
 OMMA_HD_CALLED void leave_media(const Flight<L, Search>& flight, const LitSurface<L>& surface,
-                                LaneMask<L> by, LaneMask<L> bent, LaneMask<L> scattered) {
+                                const ScatteringSample<L>& sample, LaneMask<L> by, LaneMask<L> bent,
+                                LaneMask<L> scattered) {
   const RayMedia& media = flight.memory.media;
   scattered.for_each([&](int l) {
+    const auto is = [&](Lobe one) { return sample.lobe[l] == static_cast<std::int32_t>(one); };
+    const std::int32_t volume = surface.volume[l];
     media.from_m[l] = 0;
-    if (surface.volume[l] >= 0) {
-      set_came(media, l, Came::from_within);
-    } else {
+    if (volume != 0 && (volume < 0) != is(Lobe::diffuse_transmission))
       media.material[l] = surface.material[l];
-      if (media.came[l] != static_cast<std::int32_t>(Came::straight))
-        set_came(media, l, Came::mirrored);
-    }
+    else if (volume < 0)
+      media.material[l] = no_medium;
+    if (volume >= 0 || !is(Lobe::dielectric))
+      set_came(media, l, Came::from_within);
+    else if (media.came[l] != static_cast<std::int32_t>(Came::straight))
+      set_came(media, l, Came::mirrored);
   });
   pass_boundaries(surface, by, bent, flight.packet.rays.t_far_m, media);
 }

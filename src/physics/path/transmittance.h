@@ -49,9 +49,8 @@ OMMA_HD_CALLED LaneMask<L> dim_light(const SceneView& scene, const Packet<L>& sh
   LaneMask<L> bright;
   for (int l = 0; l < L::count; l += L::width) {
     auto point = make_scatter_point(scatter_surface<L>(scene, shadow.rays, surface, l));
-    const F zero{};
     if (scene.has_volumes)
-      point.straight = point.straight * radiance_scale(surface, memory.media, l, zero > zero);
+      point.straight = point.straight * radiance_scale<L>(surface, memory.media, l, {});
     const auto dims = dimmed.at(l);
     F most{};
     for (int b = 0; b < scene.bands; ++b) {
