@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <vector>
 
 #include "model/spectrum_check.h"
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -17,12 +17,6 @@ namespace {
 constexpr double slack = 1e-6;
 
 constexpr int most_boundary_cosines = 10000;
-
-std::string short_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 void check_range(double value, double low, double high, const std::string& what) {
   if (!(value >= low && value <= high))

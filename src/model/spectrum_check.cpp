@@ -2,8 +2,8 @@
 #include "model/spectrum_check.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -11,12 +11,6 @@ namespace {
 
 constexpr double shortest_nm = 100, longest_nm = 5000;
 constexpr std::size_t most_knots = 10000;
-
-std::string short_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 }  // namespace
 

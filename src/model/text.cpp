@@ -2,6 +2,7 @@
 #include "model/text.h"
 
 #include <cstdint>
+#include <cstdio>
 
 #include "omma/error.h"
 #include "system/files.h"
@@ -57,6 +58,12 @@ std::string without_folder(std::string text, const std::string& path) {
   const std::string name = path.substr(folder);
   for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path, at))
     text.replace(at, path.size(), name);
+  return text;
+}
+
+std::string short_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
   return text;
 }
 

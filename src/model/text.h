@@ -19,4 +19,7 @@ std::string readable_text(std::string_view text);
 // machines than the one with the file's folder.
 std::string without_folder(std::string text, const std::string& path);
 
+// A number of at most six digits, for messages.
+std::string short_text(double value);
+
 }  // namespace omma

@@ -63,7 +63,8 @@ def sphere(
     segments: int = 128,
     name: str = "sphere",
 ) -> Scene:
-    """A sphere, seen from outside.
+    """A sphere, seen from outside. Its normals are a sphere's, by which light is scattered, mirrored
+    and refracted.
 
     Args:
         radius_m: of its vertices; its faces lie within by at most 1 - cos(pi / segments) of it.
@@ -93,7 +94,8 @@ def sphere(
     surface = (
         radius * direction.reshape(-1, 3), triangles[kept], np.stack([u, v], -1).reshape(-1, 2)
     )  # fmt: skip
-    return painted_scene([("paint", surface, paint)], name, center_m, wrap_u="repeat")
+    faceted = painted_scene([("paint", surface, paint)], name, center_m, wrap_u="repeat")
+    return faceted.replace(meshes=[faceted.meshes[0].replace(normals=direction.reshape(-1, 3))])
 
 
 @checked

@@ -193,7 +193,7 @@ OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search&
   for (int begin = 0; begin < rays; begin += n) {
     float weight[n];
     const LaneMask<L> counting = write_cone_rays(of, cone, begin, memory, packet, weight);
-    eval_lit_path<L>(*frame.scene, search, {packet, counting}, memory.paths, memory.radiance);
+    eval_lit_path<L>(*frame.scene, search, packet, counting, memory.paths, memory.radiance);
     const float* brought = memory.radiance;
     if (frame.output_from_band != nullptr) {
       make_outputs<L>(frame, memory.radiance, memory.output);

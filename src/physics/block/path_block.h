@@ -52,19 +52,17 @@ OMMA_HD int packet_floats(const SceneView& scene) {
 template <typename L, typename Search>
 OMMA_HD void enqueue_paths(PathBlock<L, Search>& block, const Flight<L, Search>& flight,
                            LaneMask<L> lanes, const std::int32_t (&ray)[L::count]) {
-  const LaneMask<L> last = ends_in_the_dark(block.scene)
-                               ? lanes & at_full_depth(block.scene, flight.state)
-                               : LaneMask<L>{};
+  const LaneMask<L> last = lanes & on_last_flight(block.scene, flight.state);
   if (last.any()) enqueue(flight, last, ray, block.queues.waiting_for_last);
   if (!(last == lanes)) enqueue(flight, lanes & ~last, ray, block.queues.waiting);
 }
 
 // A later flight of the paths of some lanes, which finds what is added to the rays `ray` from the
-// eye. Returns the lanes whose paths go on.
+// eye.
 template <typename L, typename Search>
-OMMA_HD LaneMask<L> trace_later_flight(const PathBlock<L, Search>& block,
-                                       const Flight<L, Search>& flight, LaneMask<L> lanes,
-                                       const std::int32_t (&ray)[L::count]) {
+OMMA_HD Onward<L> trace_later_flight(const PathBlock<L, Search>& block,
+                                     const Flight<L, Search>& flight, LaneMask<L> lanes,
+                                     const std::int32_t (&ray)[L::count]) {
   constexpr int n = L::count;
   const SceneView& scene = block.scene;
   const int floats = packet_floats<L>(scene);
@@ -72,7 +70,7 @@ OMMA_HD LaneMask<L> trace_later_flight(const PathBlock<L, Search>& block,
   const LaneMask<L> polarised =
       scene.polarized ? bringing_polarisation<L>(flight.state) : LaneMask<L>{};
   for (int i = 0; i < floats; ++i) found[i] = 0;
-  const LaneMask<L> on = trace_flight(flight, lanes, Spread::scattered);
+  const Onward<L> on = trace_flight(flight, lanes, Spread::scattered);
   // What they found goes to the rays from the eye that they began as.
   lanes.for_each([&](int l) {
     float* const to = block.radiance + ray[l] / n * floats + ray[l] % n;
@@ -82,19 +80,35 @@ OMMA_HD LaneMask<L> trace_later_flight(const PathBlock<L, Search>& block,
   return on;
 }
 
+// Paths of some lanes go on: those that were turned aside wait. What rays have passed does not wait
+// with them, so that those that go straight on are followed until they are turned.
+template <typename L, typename Search>
+OMMA_HD void continue_block(PathBlock<L, Search>& block, const Flight<L, Search>& flight,
+                            Onward<L> on, const std::int32_t (&ray)[L::count]) {
+  for (;;) {
+    if (on.turned.any()) enqueue_paths(block, flight, on.turned, ray);
+    if (!on.straight.any()) return;
+    on = trace_later_flight(block, flight, on.straight, ray);
+  }
+}
+
 // One more flight of as many paths as a packet holds, of those that wait.
 template <typename L, typename Search>
 OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) {
   PathQueues<L>& queues = block.queues;
   PathState<L> state;
   alignas(L::count * 4) std::int32_t ray[L::count];
-  const Flight<L, Search> flight{
-      block.scene,  block.search,       queues.onward, state,
-      block.memory, block.memory.found, nullptr,       block.memory.cell_errors};
+  const Flight<L, Search> flight{block.scene,
+                                 block.search,
+                                 queues.onward,
+                                 state,
+                                 block.memory,
+                                 block.memory.found,
+                                 passed_in(block.scene, block.memory),
+                                 block.memory.cell_errors};
   const LaneMask<L> lanes = dequeue(flight, waiting, ray);
   lanes.for_each([&](int l) { queues.onward.ommatidium[l] = queues.ommatidium[ray[l]]; });
-  const LaneMask<L> on = trace_later_flight(block, flight, lanes, ray);
-  if (on.any()) enqueue_paths(block, flight, on, ray);
+  continue_block(block, flight, trace_later_flight(block, flight, lanes, ray), ray);
 }
 
 // Follows paths that wait, until fewer than `least` do.
@@ -118,8 +132,7 @@ OMMA_HD void end_block(PathBlock<L, Search>& block) {
 }
 
 // Begins the paths of some lanes of a packet, whose radiance is that of number `packet_index`;
-// others are followed as soon as there are as many as a packet holds. Not where surfaces let light
-// straight through, as what paths have passed does not wait with them.
+// others are followed as soon as there are as many as a packet holds.
 template <typename L, typename Search>
 OMMA_HD_CALLED void begin_paths(PathBlock<L, Search>& block, int packet_index, LaneMask<L> lanes,
                                 Packet<L>& packet, FirstHits<L>* first) {
@@ -128,20 +141,28 @@ OMMA_HD_CALLED void begin_paths(PathBlock<L, Search>& block, int packet_index, L
   const int floats = packet_floats<L>(scene);
   float* const radiance = block.radiance + packet_index * floats;
   PathState<L> state;
-  Flight<L, Search> flight{scene,        block.search, packet,  state,
-                           block.memory, radiance,     nullptr, block.memory.cell_errors};
+  Flight<L, Search> flight{scene,
+                           block.search,
+                           packet,
+                           state,
+                           block.memory,
+                           radiance,
+                           passed_in(scene, block.memory),
+                           block.memory.cell_errors};
   for (int i = 0; i < floats; ++i) radiance[i] = 0;
   reset_paths<L>(scene, state, block.memory);
-  LaneMask<L> on = trace_flight(flight, lanes, Spread::together, first);
-  if (!on.any()) return;
+  if (flight.passed != nullptr) clear<L>(*flight.passed);
+  const Onward<L> on = trace_flight(flight, lanes, Spread::together, first);
+  if (!on.all().any()) return;
   alignas(n * 4) std::int32_t ray[n];
   for (int l = 0; l < n; ++l) ray[l] = packet_index * n + l;
+  flight.radiance = block.memory.found;
   if constexpr (n == 1) {
-    flight.radiance = block.memory.found;
-    while (on.any()) on = trace_later_flight(block, flight, on, ray);
+    LaneMask<L> one = on.all();
+    while (one.any()) one = trace_later_flight(block, flight, one, ray).all();
   } else {
     for (int l = 0; l < n; ++l) block.queues.ommatidium[ray[l]] = packet.ommatidium[l];
-    enqueue_paths(block, flight, on, ray);
+    continue_block(block, flight, on, ray);
     trace_waiting(block, n);
   }
 }

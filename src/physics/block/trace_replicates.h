@@ -134,12 +134,7 @@ OMMA_HD_CALLED void trace_lit(ReplicateTrace<L, Search>& trace) {
         in_cones[packets] = trace.has_cones
                                 ? rays_in_cones(packet, start, trace.directions.samples, memory)
                                 : LaneMask<L>{};
-        if (lets_through(scene))
-          eval_lit_path<L>(scene, trace.run.search,
-                           {packet, lanes, trace.first, memory.paths.cell_errors}, memory.paths,
-                           memory.radiance + packets * floats);
-        else
-          begin_paths(block, packets, lanes, packet, trace.first);
+        begin_paths(block, packets, lanes, packet, trace.first);
         starts[packets++] = start;
         if (packets == most_packets) end();
       });

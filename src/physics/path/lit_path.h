@@ -17,7 +17,7 @@ namespace omma {
 
 // Whether the flight after the last scattering that the depth allows can only find light from afar.
 OMMA_HD bool ends_in_the_dark(const SceneView& scene) {
-  return scene.depth > 0 && !lets_through(scene) && scene.light->emissive_count == 0 &&
+  return scene.depth > 0 && scene.splats == nullptr && scene.light->emissive_count == 0 &&
          !has_air(scene);
 }
 
@@ -26,6 +26,38 @@ template <typename L>
 OMMA_HD LaneMask<L> at_full_depth(const SceneView& scene, const PathState<L>& state) {
   return lanes_where<L>(
       [&](int l) { return load<typename L::I>(state.scatterings + l) >= scene.depth; });
+}
+
+// Lanes on such a flight: not rays from the eye, which have been mirrored within glass, say.
+template <typename L>
+OMMA_HD LaneMask<L> on_last_flight(const SceneView& scene, const PathState<L>& state) {
+  if (!ends_in_the_dark(scene)) return {};
+  const LaneMask<L> scattered = lanes_where<L>([&](int l) {
+    return load<typename L::F>(state.density + l) < broadcast<typename L::F>(INFINITY);
+  });
+  return at_full_depth(scene, state) & scattered;
+}
+
+// The last flight of some lanes: whether anything hides the light from afar, and what is left of it
+// behind what lets it through.
+template <typename L, typename Search>
+OMMA_HD_CALLED void trace_last_flight(const Flight<L, Search>& flight, LaneMask<L> on) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
+  FarLookups<L> far;
+  look_up_far(flight, on, far);
+  LaneMask<L> open;
+  if (lets_through(scene)) {
+    if (scene.has_volumes) go_on_in<L>(memory.shadow.media, memory.media);
+    open = trace_transmittance<L>(scene, flight.search, on, flight.packet, memory.shadow);
+    for (int i = 0; i < flight.stride(); i += L::width)
+      store(memory.throughput + i,
+            load<F>(memory.throughput + i) * load<F>(memory.shadow.throughput + i));
+  } else {
+    open = on & ~search_occluded(flight.search, on, flight.packet.rays);
+  }
+  if (open.any()) add_far(flight, open, far);
 }
 
 // Of some lanes' surfaces those that let the path by, by chance, as they cover a fraction alpha of
@@ -98,21 +130,30 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
   leave_surfaces<L>(geometry, sample.direction, scattered, packet.rays);
 }
 
+// Lanes whose paths go on from what they met: straight past it, as the same ray, or turned aside.
+template <typename L>
+struct Onward {
+  LaneMask<L> straight, turned;
+
+  OMMA_HD LaneMask<L> all() const { return straight | turned; }
+};
+
 // Paths of some lanes go on by a sample, or end: by roulette, or where nothing is left of them.
-// Returns the lanes that go on.
 template <typename L, typename Search>
-OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on,
-                                   const HitGeometry<L>& geometry, const LitSurface<L>& surface,
-                                   const ScatteringPacket<L>& points,
-                                   const ScatteringSample<L>& sample) {
+OMMA_HD Onward<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+                                 const HitGeometry<L>& geometry, const LitSurface<L>& surface,
+                                 const ScatteringPacket<L>& points,
+                                 const ScatteringSample<L>& sample) {
   using F = typename L::F;
   using I = typename L::I;
+  const PathState<L>& state = flight.state;
   alignas(L::count * 4) float most[L::count];
   update_throughput(flight, points, sample, most);
   on &= lanes_where<L>([&](int l) {
     const I lobe = load<I>(sample.lobe + l);
-    return lobe == let_by ||
-           (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f);
+    return load<I>(state.flight + l) < most_flights &&
+           (lobe == let_by ||
+            (lobe != no_lobe && load<F>(most + l) > 0.0f && load<F>(sample.density + l) > 0.0f));
   });
   LaneMask<L> by, bent;
   if (flight.passed != nullptr) by = on & goes_straight<L>(sample);
@@ -123,18 +164,18 @@ OMMA_HD LaneMask<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> 
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
   scatter_rays(flight, scattered, geometry, sample);
   if (bent.any()) bend_rays(flight, bent, geometry, sample);
-  std::int32_t* const flights = flight.state.flight;
-  for (int l = 0; l < L::count; l += L::width) store(flights + l, load<I>(flights + l) + 1);
-  return by | bent | scattered;
+  for (int l = 0; l < L::count; l += L::width)
+    store(flight.state.flight + l, load<I>(flight.state.flight + l) + 1);
+  return {by, bent | scattered};
 }
 
 // Where the paths of some lanes go on from the surfaces that they met: past them, of the lanes
-// `by`, else in a direction of a lobe. Returns those that do.
+// `by`, else in a direction of a lobe.
 template <typename L, typename Search>
-OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMask<L> on,
-                                         LaneMask<L> by, const HitGeometry<L>& geometry,
-                                         const LitSurface<L>& surface,
-                                         const ScatteringPacket<L>& points) {
+OMMA_HD_CALLED Onward<L> scatter_paths(const Flight<L, Search>& flight, LaneMask<L> on,
+                                       LaneMask<L> by, const HitGeometry<L>& geometry,
+                                       const LitSurface<L>& surface,
+                                       const ScatteringPacket<L>& points) {
   ScatteringSample<L> sample;
   sample_scattering<L>(flight.packet, flight.state, points, on & ~by, sample);
   by.for_each([&](int l) { sample.lobe[l] = let_by; });
@@ -153,28 +194,25 @@ OMMA_HD_CALLED LaneMask<L> scatter_paths(const Flight<L, Search>& flight, LaneMa
 // whose paths go on; rays, state and throughput are those of the next flight then. `first`: takes
 // what the rays met, or null.
 template <typename L, typename Search>
-OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, Spread spread,
-                                        FirstHits<L>* first = nullptr) {
+OMMA_HD_CALLED Onward<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, Spread spread,
+                                      FirstHits<L>* first = nullptr) {
   using I = typename L::I;
   const SceneView& scene = flight.scene;
   Packet<L>& packet = flight.packet;
   PathState<L>& state = flight.state;
   const bool is_baked = scene.baked != nullptr;
   clear_hits<L>(packet.rays);
-  FarLookups<L> far;
 
-  // The last flight, where only light from afar can be found: whether anything is in the way will
-  // do.
-  if (ends_in_the_dark(scene) && !(on & ~at_full_depth(scene, state)).any()) {
-    look_up_far(flight, on, far);
-    const LaneMask<L> open = on & ~search_occluded(flight.search, on, packet.rays);
-    if (open.any()) add_far(flight, open, far);
-    return {};
-  }
+  // The last flight, where only light from afar can be found.
+  const LaneMask<L> last = on & on_last_flight(scene, state);
+  if (last.any()) trace_last_flight(flight, last);
+  on &= ~last;
+  if (!on.any()) return {};
 
   // Intersect. Where nothing is met the sky is read: after the surfaces, when what was fetched of
   // it has come.
   Hits<L> hits;
+  FarLookups<L> far;
   search_closest(flight.search, on, packet.rays, flight.passed, spread);
   find_hits<L>(flight.search.placed(), packet, hits);
   if (first != nullptr) *first = {packet, hits};
@@ -229,33 +267,24 @@ OMMA_HD_CALLED LaneMask<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on
 // The radiance [component][band][lane] of the rays of some lanes, to the end of their paths: the
 // packet is followed alone.
 template <typename L, typename Search>
-OMMA_HD void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on,
-                         FirstHits<L>* first = nullptr) {
+OMMA_HD void trace_paths(const Flight<L, Search>& flight, LaneMask<L> on) {
   for (int i = 0; i < flight.components() * flight.stride(); ++i) flight.radiance[i] = 0;
   reset_paths<L>(flight.scene, flight.state, flight.memory);
   if (flight.passed != nullptr) clear<L>(*flight.passed);
-  for (int k = 0; on.any() && k < most_flights; ++k) {
-    const Spread spread = k == 0 && !flight.state.gathers ? Spread::together : Spread::scattered;
-    on = trace_flight(flight, on, spread, k == 0 ? first : nullptr);
+  Spread spread = flight.state.gathers ? Spread::scattered : Spread::together;
+  while (on.any()) {
+    on = trace_flight(flight, on, spread).all();
+    spread = Spread::scattered;
   }
 }
 
-// What rays from the eye are followed by alone.
-template <typename L>
-struct EyeRays {
-  Packet<L>& packet;
-  LaneMask<L> on;
-  FirstHits<L>* first = nullptr;  // takes what they met
-  float* cell_errors = nullptr;   // where theirs count
-};
-
+// As trace_paths, of rays from the eye that see all but what ommatidia see besides them.
 template <typename L, typename Search>
-OMMA_HD_CALLED void eval_lit_path(const SceneView& scene, Search& search, const EyeRays<L>& rays,
-                                  const PathMemory& memory, float* radiance) {
+OMMA_HD_CALLED void eval_lit_path(const SceneView& scene, Search& search, Packet<L>& packet,
+                                  LaneMask<L> on, const PathMemory& memory, float* radiance) {
   PathState<L> state;
-  trace_paths<L, Search>({scene, search, rays.packet, state, memory, radiance,
-                          passed_in(scene, memory), rays.cell_errors},
-                         rays.on, rays.first);
+  trace_paths<L, Search>({scene, search, packet, state, memory, radiance, passed_in(scene, memory)},
+                         on);
 }
 
 }  // namespace omma

@@ -57,6 +57,13 @@ OMMA_HD void begin_in(const RayMedia& media, const RayMedia& others) {
   for (int l = 0; l < L::count; ++l) media.material[l] = others.material[l];
 }
 
+// The same of rays that go on in place of others, which have just left a surface.
+template <typename L>
+OMMA_HD void go_on_in(const RayMedia& media, const RayMedia& others) {
+  begin_in<L>(media, others);
+  for (int l = 0; l < L::count; ++l) media.came[l] = others.came[l];
+}
+
 // Rays of some lanes go on past what they met at t_far_m, bent there, or straight on.
 template <typename L>
 OMMA_HD_CALLED void pass_boundaries(const LitSurface<L>& surface, LaneMask<L> straight,

@@ -64,6 +64,23 @@ OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight,
   }
 }
 
+// What glass and water mirror may be a sky, and what lies behind them dark. At the first surface
+// that a ray from the eye meets, what is mirrored has at least this share of the rays that go one
+// way or the other.
+inline constexpr float least_mirrored = 0.25f;
+
+template <typename L>
+OMMA_HD void raise_mirrored(const PathState<L>& state, int l, typename L::F (&weight)[lobe_count]) {
+  using F = typename L::F;
+  F& mirrored = weight[static_cast<int>(Lobe::dielectric)];
+  F& straight = weight[static_cast<int>(Lobe::straight)];
+  const F both = mirrored + straight, least = both * least_mirrored;
+  const auto is_raised =
+      load<typename L::I>(state.flight + l) == 0 && mirrored > 0.0f && mirrored < least;
+  mirrored = is_raised ? least : mirrored;
+  straight = is_raised ? both - least : straight;
+}
+
 template <typename L, typename Search>
 OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSurface<L>& surface,
                                     LaneMask<L> reads_baked, ScatteringPacket<L>& scattering) {
@@ -110,6 +127,8 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     colors.reflectance = reads ? F{} : colors.reflectance;
     colors.transmittance = reads ? F{} : colors.transmittance;
     lobe_weights(point, colors, scattering.weight[v]);
+    if (scene.has_glass && !flight.state.gathers)
+      raise_mirrored(flight.state, l, scattering.weight[v]);
   }
 }
 

@@ -89,6 +89,16 @@ OMMA_HD_CALLED void dim_by_splats(const SceneView& scene, Search& search, LaneMa
     }
 }
 
+// Of some lanes those whose rays met what lets light straight through.
+template <typename L>
+OMMA_HD LaneMask<L> lanes_let_on(const SceneView& scene, const Hits<L>& hits, LaneMask<L> met) {
+  LaneMask<L> on;
+  met.for_each([&](int l) {
+    if (lets_rays_on(scene.materials[scene.meshes[hits.mesh[l]].material])) on.add(l);
+  });
+  return on;
+}
+
 // Shadow rays past what lets light straight through: the transmittance of the way, by band,
 // is memory.throughput. They begin in memory.media. Returns the lanes that reach their light.
 template <typename L, typename Search>
@@ -106,15 +116,19 @@ OMMA_HD_CALLED LaneMask<L> trace_transmittance(const SceneView& scene, Search& s
     search_closest(search, on, shadow.rays, &memory.passed, Spread::scattered);
     Hits<L> hits;
     find_hits<L>(search.placed(), shadow, hits);
+    const LaneMask<L> met = on & lanes_met(hits);
+    reached |= on & ~met;
+    on = lanes_let_on(scene, hits, met);
+    if (!on.any()) break;
+
+    // What is opaque is not looked at.
+    for (int l = 0; l < L::count; ++l)
+      if (!on.has(l)) hits.mesh[l] = -1;
     HitGeometry<L> geometry;
     eval_geometry<L>(scene, shadow.rays, hits, geometry);
     LitSurface<L> surface;
     eval_lit_surfaces<L>(scene, shadow, hits, geometry, memory, surface);
-    const auto met =
-        lanes_where<L>([&](int l) { return load<typename L::I>(surface.material + l) >= 0; });
-    const LaneMask<L> bright = dim_light(scene, shadow, surface, met & on, memory);
-    reached |= on & ~met;
-    on &= met & bright;
+    on &= dim_light(scene, shadow, surface, on, memory);
     if (scene.has_volumes) pass_boundaries<L>(surface, on, {}, shadow.rays.t_far_m, memory.media);
     on.for_each([&](int l) { pass(memory.passed, l, shadow.rays); });
   }

@@ -1,6 +1,6 @@
-// Paths that go on after their first flight wait here until there are as many as a packet holds, as
-// in a wavefront path tracer (Laine, Karras and Aila 2013, Megakernels considered harmful): most
-// packets would go on with few lanes, each at the price of all.
+// Paths that have been turned aside wait here until there are as many as a packet holds, as in a
+// wavefront path tracer (Laine, Karras and Aila 2013, Megakernels considered harmful): most packets
+// would go on with few lanes, each at the price of all.
 #pragma once
 
 #include "physics/path/flight.h"
@@ -17,15 +17,20 @@ struct WaitingPaths {
   alignas(aligned) float reference[3][capacity], mueller[9][capacity];  // where light is polarised
   alignas(aligned) std::int32_t hash[capacity], sample[capacity],
       scatterings[capacity], flight[capacity], sampled_all[capacity];
+  alignas(aligned) float footprint_rad[capacity];
+  alignas(aligned) std::uint32_t mask[capacity];
+  alignas(aligned) std::int32_t material[capacity], came[capacity];  // RayMedia
   alignas(aligned) std::int32_t ray[capacity];  // where its radiance goes
   float* throughput = nullptr;             // [band][capacity]
   float* by_band = nullptr;  // [9][band][capacity], where there is PathMemory::mueller
 };
 
 // Calls `move(waiting, of_packet)` for each number of a path but its throughput.
-template <typename L, typename Move>
-OMMA_HD void for_each_number(bool polarized, WaitingPaths<L>& waiting, Packet<L>& packet,
-                             PathState<L>& state, const Move& move) {
+template <typename L, typename Search, typename Move>
+OMMA_HD void for_each_number(const Flight<L, Search>& flight, WaitingPaths<L>& waiting,
+                             const Move& move) {
+  Packet<L>& packet = flight.packet;
+  PathState<L>& state = flight.state;
   for (int r = 0; r < 3; ++r) {
     move(waiting.origin[r], packet.rays.origin[r]);
     move(waiting.direction[r], packet.rays.direction[r]);
@@ -36,7 +41,13 @@ OMMA_HD void for_each_number(bool polarized, WaitingPaths<L>& waiting, Packet<L>
   move(waiting.scatterings, state.scatterings);
   move(waiting.flight, state.flight);
   move(waiting.sampled_all, state.sampled_all);
-  if (!polarized) return;
+  move(waiting.footprint_rad, packet.footprint_rad);
+  move(waiting.mask, packet.rays.mask);
+  if (flight.scene.has_volumes) {
+    move(waiting.material, flight.memory.media.material);
+    move(waiting.came, flight.memory.media.came);
+  }
+  if (!flight.scene.polarized) return;
   for (int r = 0; r < 3; ++r) move(waiting.reference[r], packet.reference[r]);
   for (int k = 0; k < 9; ++k) move(waiting.mueller[k], state.mueller[k]);
 }
@@ -51,9 +62,9 @@ OMMA_HD void enqueue(const Flight<L, Search>& flight, LaneMask<L> lanes,
   for (int l = 0; l < L::count; l += L::width) {
     const unsigned here = lanes.word(l);
     if (here == 0) continue;
-    for_each_number(
-        scene.polarized, waiting, flight.packet, flight.state,
-        [&](auto* to, const auto* from) { store_some(to + count, load<F>(from + l), here); });
+    for_each_number(flight, waiting, [&](auto* to, const auto* from) {
+      store_some(to + count, load<F>(from + l), here);
+    });
     store_some(waiting.ray + count, load<F>(ray + l), here);
     for (int b = 0; b < scene.bands; ++b)
       store_some(waiting.throughput + b * waiting.capacity + count,
@@ -77,7 +88,7 @@ OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& wa
   constexpr int n = L::count;
   const int taken = waiting.count < n ? waiting.count : n, from = waiting.count - taken;
   for (int l = 0; l < n; l += L::width) {
-    for_each_number(scene.polarized, waiting, packet, flight.state,
+    for_each_number(flight, waiting,
                     [&](const auto* kept, auto* to) { store(to + l, load<F>(kept + from + l)); });
     store(ray + l, load<F>(waiting.ray + from + l));
     for (int b = 0; b < scene.bands; ++b)
@@ -88,10 +99,12 @@ OMMA_HD LaneMask<L> dequeue(const Flight<L, Search>& flight, WaitingPaths<L>& wa
         store(flight.memory.mueller + i * n + l,
               load<F>(waiting.by_band + i * waiting.capacity + from + l));
   }
+  // Nothing of their rays lies behind them.
   for (int l = 0; l < n; ++l) {
-    packet.rays.t_near_m[l] = packet.footprint_rad[l] = 0;
-    packet.rays.mask[l] = packet.light_sees;
+    packet.rays.t_near_m[l] = packet.acceptance_sr[l] = flight.state.seen_m[l] = 0;
+    if (scene.has_volumes) flight.memory.media.from_m[l] = 0;
   }
+  if (flight.passed != nullptr) clear<L>(*flight.passed);
   // Rays that are not traced must be such as could be: Embree checks all.
   for (int l = taken; l < n; ++l)
     for (int r = 0; r < 3; ++r) {
