@@ -75,6 +75,15 @@ bool match(const CsvColumnKind& kind, std::string name, const std::string& place
   return false;
 }
 
+// Whether a table's first column has nothing but whole numbers, as labels of its rows are.
+bool labels_rows(const CsvText& csv) {
+  return std::all_of(csv.records.begin() + 1, csv.records.end(), [](const CsvRecord& record) {
+    double label = 0;
+    return !record.cells.empty() && parse_decimal(record.cells.front().text, 0, label) &&
+           label == std::floor(label);
+  });
+}
+
 void read_header(Reader& reader) {
   const CsvRecord& header = reader.csv.records.front();
   std::unordered_map<std::string, std::size_t> extras;  // cell by name
@@ -82,6 +91,7 @@ void read_header(Reader& reader) {
     const std::string& name = header.cells[c].text;
     const std::string place =
         reader.name + ", line " + std::to_string(header.line) + ", column " + std::to_string(c + 1);
+    if (name.empty() && c == 0 && labels_rows(reader.csv)) continue;  // as pandas writes them
     if (name.empty()) throw Error(place + ": expected a name, found none");
     std::string known;
     Found found;
@@ -202,9 +212,9 @@ Vec3 axis(const Reader& reader, const CsvRecord& record) {
 std::int32_t eye_id(const Reader& reader, const CsvRecord& record) {
   const std::string text = cell_text(reader, record, "eye_id");
   if (text.empty()) return 0;
-  std::int32_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc{} || end != text.data() + text.size() || id < 0)
+  // With a point too: where some are missing pandas writes 1.0.
+  double id = 0;
+  if (!parse_decimal(text, 0, id) || !(id >= 0 && id <= INT32_MAX) || id != std::floor(id))
     fail(reader, record, reader.found.at("eye_id").cell,
          "expected a whole number of at least 0, found " + shown_text(text));
   return id;

@@ -75,6 +75,23 @@ TEST(EyeCsv, ReadsWhatAPersonWrites) {
   EXPECT_TRUE(std::isnan(eye.columns[1].numbers[1]));
 }
 
+TEST(EyeCsv, ReadsTablesAsPandasWritesThem) {
+  // Rows have labels, in a column without a name; whole numbers a point, where some are missing.
+  const Eye eye = parse_eye_csv(
+      ",azimuth_deg,elevation_deg,acceptance_angle_deg,eye_id\n"
+      "3,0,0,2,1.0\n"
+      "17,0,30,2,\n",
+      "bee.csv");
+  ASSERT_EQ(eye.size(), 2u);
+  EXPECT_EQ(eye.eye_id, (std::vector<std::int32_t>{1, 0}));
+  EXPECT_TRUE(eye.columns.empty());
+  for (const char* wrong : {",azimuth_deg,elevation_deg,acceptance_angle_deg\n0.5,0,0,2\n",
+                            "azimuth_deg,,elevation_deg,acceptance_angle_deg\n0,1,0,2\n",
+                            "azimuth_deg,elevation_deg,acceptance_angle_deg,eye_id\n0,0,2,1.5\n",
+                            "azimuth_deg,elevation_deg,acceptance_angle_deg,eye_id\n0,0,2,3e9\n"})
+    EXPECT_THROW(parse_eye_csv(wrong, "bee.csv"), omma::Error) << wrong;
+}
+
 TEST(EyeCsv, KernelsTakeWhatTheOmmatidiumHas) {
   const Eye eye = parse_eye_csv(
       "# receptor_type {\"name\": \"green\", \"peak_wavelength_nm\": 544}\n"
