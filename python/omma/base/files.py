@@ -20,7 +20,12 @@ import numpy as np
 from omma import _core
 from omma._core import Error
 from omma.base.addresses import SentFiles, check_address, expect_local, is_address, local_path
-from omma.base.directories import WholeDirectory, abandoned_directories
+from omma.base.directories import (
+    WhatIsKept,
+    WholeDirectory,
+    abandoned_directories,
+    nothing_is_kept,
+)
 from omma.base.progress import Progress
 
 PathLike = str | os.PathLike[str]
@@ -133,11 +138,11 @@ class WholeFiles:
         name = self._here(name)
         return self._files.temporary(self._files.open(name))
 
-    def open_directory(self, name: str, marker: str) -> str:
+    def open_directory(self, name: str, marker: str, kept: WhatIsKept = nothing_is_kept) -> str:
         """A new directory that will be called ``name``, as it is called meanwhile. One that has
-        that name is replaced if the file ``marker`` is in it."""
-        name = self._here(name, marker)
-        self._directories.append(WholeDirectory(name, marker))
+        that name is replaced as by `WholeDirectory`."""
+        name = self._here(name, marker, kept)
+        self._directories.append(WholeDirectory(name, marker, kept))
         return self._directories[-1].temporary
 
     def at_end(self, last: Callable[[], object]) -> None:
@@ -171,7 +176,9 @@ class WholeFiles:
             if self._sent is not None and kind is not None:
                 self._sent.discard()
 
-    def _here(self, name: str, marker: str | None = None) -> str:
+    def _here(
+        self, name: str, marker: str | None = None, kept: WhatIsKept = nothing_is_kept
+    ) -> str:
         """The path to write to, of what goes to an address one from which it will be sent."""
         name = local_path(name)
         if not is_address(name):
@@ -179,7 +186,7 @@ class WholeFiles:
         if self._sent is None:
             self._sent = SentFiles()
         if marker is not None:
-            return self._sent.directory_of(name, marker)
+            return self._sent.directory_of(name, marker, kept)
         return self._sent.path_of(name)
 
 
