@@ -106,6 +106,7 @@ def up_towards(eye: Eye, direction: ArrayLike, *, where: Region | None = None) -
     target = array_of(direction, "direction")
     if target.shape != (3,) or not np.all(np.isfinite(target)) or not target.any():
         raise Error(f"direction: expected three numbers, not all 0, found {target.tolist()}")
+    target = target / np.abs(target).max()  # whose square is a number, however small or large
     up = eye.up.astype(np.float64)
     inside = region_mask(eye, where)
     up[inside] = target / np.linalg.norm(target)
