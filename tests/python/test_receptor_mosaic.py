@@ -163,6 +163,10 @@ def test_wrong_arguments_are_named():
     for where in (np.ones(4, bool), np.ones(5), lambda azimuth, elevation: True):
         with pytest.raises(omma.Error, match="where: expected a mask of 5 truth values"):
             omma.receptors.assign_receptors(eye, one, where=where)
+    ragged = [[True], [True, False]]
+    for where in (ragged, lambda azimuth, elevation: ragged):
+        with pytest.raises(omma.Error, match="where: expected .* found rows of different lengths"):
+            omma.receptors.up_towards(eye, (0, 1, 0), where=where)
     for direction in ((0, 0, 0), (0, 1), (0, np.nan, 1)):
         with pytest.raises(omma.Error, match="direction: expected three numbers"):
             omma.receptors.up_towards(eye, direction)
