@@ -165,7 +165,7 @@ def test_wrong_arguments_are_named():
             omma.receptors.assign_receptors(eye, one, where=where)
     ragged = [[True], [True, False]]
     for where in (ragged, lambda azimuth, elevation: ragged):
-        with pytest.raises(omma.Error, match="where: expected .* found rows of different lengths"):
+        with pytest.raises(omma.Error, match="where: expected a mask of 5 truth values"):
             omma.receptors.up_towards(eye, (0, 1, 0), where=where)
     for direction in ((0, 0, 0), (0, 1), (0, np.nan, 1)):
         with pytest.raises(omma.Error, match="direction: expected three numbers"):

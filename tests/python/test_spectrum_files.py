@@ -139,7 +139,9 @@ def test_names_stay_where_columns_without_numbers_come_last(tmp_path, ending):
 
 def test_names_of_other_columns_are_told(tmp_path):
     path = written(tmp_path, PLAIN.replace("red", "red,blue"))
-    with pytest.warns(UserWarning, match=r"each of 3 columns of numbers, found 4 names; .*column 2"):
+    with pytest.warns(
+        UserWarning, match=r"each of 3 columns of numbers, found 4 names; .*column 2"
+    ):
         assert list(load_spectra(path, unit="percent")) == ["column 2", "column 3"]
 
 
