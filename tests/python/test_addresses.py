@@ -93,6 +93,15 @@ def test_what_is_there_and_no_store_is_not_replaced(inputs, memory):
     assert memory.cat("/out/a.zarr/thesis.txt") == b"all of it"
 
 
+def test_a_data_set_is_not_replaced(inputs, memory):
+    pytest.importorskip("zarr")
+    manifest = b'{"attributes": {"format": "omma dataset 1"}}'
+    memory.pipe("/out/a.zarr/zarr.json", manifest)
+    with pytest.raises(omma.Error, match=r"memory://out/a\.zarr: .* is a data set of omma dataset"):
+        render("memory://out/a.zarr")
+    assert memory.find("/out") == ["/out/a.zarr/zarr.json"]
+
+
 def test_what_is_no_store_and_came_meanwhile_is_not_replaced(inputs, memory):
     pytest.importorskip("zarr")
 

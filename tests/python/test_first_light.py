@@ -111,3 +111,22 @@ def test_what_files_tell_says_how_it_was_lit():
     assert words_of_before("uniform_sky depth=2") == "uniform_sky depth=2 lighting=path"
     assert words_of_before("uniform_sky lighting=path") == "uniform_sky lighting=path"
     assert words_of_before(None) is None
+
+
+def test_the_time_left_does_not_jump_about():
+    """Where work is twice as fast for a minute and then slower again, the time left goes by that
+    of minutes."""
+    bar = DelayedBar()
+    now = 0.0
+    bar._bar.get_time = lambda: now
+    total, done, left = 60 * 45.0, 0.0, []
+    bar.show("Rendering", 0.0)
+    while done < total:
+        now += 1.0
+        done += 2.0 if now // 60 % 2 else 1.0
+        bar.show("Rendering", min(done / total, 1.0))
+        if now > 300 and done < 0.9 * total:
+            left.append(bar._bar.tasks[0].time_remaining * 1.5 / (total - done))
+    # Of five minutes two or three are fast ones: 1.4 to 1.6 a second beside the mean, 1.5. Times
+    # are whole seconds.
+    assert 0.93 < min(left) <= max(left) < 1.08

@@ -8,6 +8,7 @@ import pytest
 from conftest import make_eye, write_gltf
 
 import omma
+from omma.base.files import digests_of
 from omma.job import render_like
 from omma.picture.files import save_png
 
@@ -97,3 +98,56 @@ def test_what_is_read_by_nobody_is_replaced(folder, run_omma):
         code, _, err = run_omma(*RENDER, "--path", "path.csv", "-o", "new.csv", "-o", "pano.png")
         assert (code, err) == (0, "")
     assert (folder / "pano_0000.png").exists()
+
+
+@pytest.fixture
+def meshes(folder):
+    """A mesh of each kind that names files, some of which have spaces in their names."""
+    for name in ("a picture.png", "cut.png", "bumps.png", "ply.png"):
+        shutil.copy("pic.png", name)
+    corners = [(-1, 0, -3), (1, 0, -3), (0, 2, -3)]
+    rows = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+    (folder / "leaf.obj").write_text(f"mtllib \\\n some leaf.mtl\n{rows}usemtl a\nf 1 2 3\n")
+    (folder / "some leaf.mtl").write_text(
+        "newmtl a\nmap_Kd -s 1 1 1 a picture.png\nmap_d cut.png\n\tbump -bm 2 bumps.png\n"
+    )
+    (folder / "leaf.ply").write_text(
+        "ply\nformat ascii 1.0\ncomment TextureFile ply.png\nelement vertex 3\n"
+        "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n"
+        + "".join(f"{x} {y} {z}\n" for x, y, z in corners)
+        + "3 0 1 2\n"
+    )
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("scene", "names"),
+    [
+        ("leaf.obj", ["some leaf.mtl", "a picture.png", "cut.png", "bumps.png"]),
+        ("leaf.ply", ["ply.png"]),
+    ],
+)
+def test_what_meshes_name_is_kept(meshes, scene, names):
+    """Pictures under names that commands write, and materials, in whose place some might be."""
+    one = omma.Fixed(1)
+    before = contents(meshes)
+    for name in names:
+        output = name
+        if name.endswith(".mtl"):
+            os.symlink(name, "out.png")
+            output = "out.png"
+        with pytest.raises(omma.Error, match=f"{output}: {REPLACE}"):
+            omma.render_file(scene, output, one, eyes="eye.csv", position=(0, 1, 0))
+    assert set(digests_of(scene)) == {scene, *names}
+    assert contents(meshes).items() >= before.items()
+
+
+def test_a_picture_of_a_mesh_that_changed_is_not_rendered_again(meshes):
+    pytest.importorskip("tinyobjloader")
+    given = {"eyes": "eye.csv", "position": (0, 1, 0)}
+    omma.render_file("leaf.obj", "r.npy", omma.Fixed(1), **given)
+    render_like("r.npy", "again.npy")
+    save_png("a picture.png", np.full((2, 4, 3), 20, np.uint8))
+    with pytest.raises(omma.Error, match=r"a picture\.png: is not what"):
+        render_like("r.npy", "again.npy")

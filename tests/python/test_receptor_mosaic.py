@@ -163,8 +163,15 @@ def test_wrong_arguments_are_named():
     for where in (np.ones(4, bool), np.ones(5), lambda azimuth, elevation: True):
         with pytest.raises(omma.Error, match="where: expected a mask of 5 truth values"):
             omma.receptors.assign_receptors(eye, one, where=where)
+    ragged = [[True], [True, False]]
+    for where in (ragged, lambda azimuth, elevation: ragged):
+        with pytest.raises(omma.Error, match="where: expected a mask of 5 truth values"):
+            omma.receptors.up_towards(eye, (0, 1, 0), where=where)
     for direction in ((0, 0, 0), (0, 1), (0, np.nan, 1)):
         with pytest.raises(omma.Error, match="direction: expected three numbers"):
             omma.receptors.up_towards(eye, direction)
+    up = omma.receptors.up_towards(eye, (0, 1, 0))
+    for length in (1e-200, 1e-320, 1e308):
+        assert np.array_equal(omma.receptors.up_towards(eye, (0, length, 0)).up, up.up)
     with pytest.raises(omma.Error, match="up vector must not be along the axis"):
         omma.receptors.up_towards(eye, eye.axis[3])

@@ -126,6 +126,25 @@ def test_columns_without_names(tmp_path):
     assert list(quietly(path, unit="fraction")) == ["column 2", "column 3"]
 
 
+@pytest.mark.parametrize("ending", [("", ""), (",", ","), (",notes", ","), (",notes,", ",")])
+def test_names_stay_where_columns_without_numbers_come_last(tmp_path, ending):
+    """As spreadsheets write columns that were used once, with a name or without."""
+    of_names, of_numbers = ending
+    first, *rows = PLAIN.splitlines()
+    lines = [first + of_names, *(row + of_numbers for row in rows)]
+    found = quietly(written(tmp_path, "\n".join(lines)), unit="percent")
+    assert list(found) == ["white", "red"]
+    assert found["red"].value == pytest.approx([0.03, 0.04, 0.61])
+
+
+def test_names_of_other_columns_are_told(tmp_path):
+    path = written(tmp_path, PLAIN.replace("red", "red,blue"))
+    with pytest.warns(
+        UserWarning, match=r"each of 3 columns of numbers, found 4 names; .*column 2"
+    ):
+        assert list(load_spectra(path, unit="percent")) == ["column 2", "column 3"]
+
+
 def test_per_cent_and_fractions(tmp_path):
     def value(text, **arguments):
         return load_spectra(written(tmp_path, text), **arguments)["a"].value.tolist()

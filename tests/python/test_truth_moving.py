@@ -2,11 +2,12 @@
 worlds that are moved by hand, and optic flow beside differences of places."""
 
 import dataclasses
+import json
 import warnings
 
 import numpy as np
 import pytest
-from animated_scenes import Builder, cube
+from animated_scenes import Builder, cube, swinging_box
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
@@ -356,3 +357,53 @@ def test_jumps_have_no_flow(tmp_path):
     assert_allclose(truth.flow_objects_rad_s[:, 0], [[0, 0.2 / 3]] * 5, atol=1e-4)
     aside = omma.poses_from_angles([(9, 0, 4)] * 5, [(0, 0, 0)] * 5)
     assert not renderer.ground_truth(aside, times_s=times).flow_objects_rad_s.any()
+
+
+def test_datasets_say_which_animation_moved_the_scene(tmp_path):
+    pytest.importorskip("xarray", reason="needs xarray: pip install 'omma[data]'")
+    scene = swinging_box(tmp_path / "box.gltf")
+    world = omma.World(scene, backend="portable")
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    plain = renderer.dataset(POSES).attrs
+    assert not {"at_time_s", "at_animation", "animation", "unseen", "unseen_by_light"} & set(plain)
+    timed = renderer.dataset(POSES, times_s=TIMES, animation=0)
+    assert timed.attrs["animation"] == "swing"
+    world.at(0.5)
+    moved = renderer.dataset(POSES)
+    assert moved.attrs["at_time_s"] == 0.5
+    assert "at_animation" not in moved.attrs
+    world.at(0.75, "swing")
+    truth = renderer.ground_truth(POSES)
+    world.at(0.25)
+    other = renderer.dataset(POSES, truth=truth)
+    again = omma.Renderer(omma.World(scene, backend="portable"), renderer.eye, omma.Fixed(4))
+    again.world.at(other.attrs["at_time_s"], other.attrs["at_animation"])
+    assert np.array_equal(other.response, again.render(POSES))
+    told = renderer.ground_truth(POSES, times_s=TIMES, animation="swing")
+    assert renderer.dataset(POSES, truth=told, animation=0).attrs["animation"] == "swing"
+    with pytest.raises(omma.Error, match="animation: expected that of truth"):
+        renderer.dataset(POSES, truth=truth, animation="swing")
+
+
+def test_datasets_say_what_was_unseen(world, tmp_path):
+    xarray = pytest.importorskip("xarray", reason="needs xarray: pip install 'omma[data]'")
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    unseen = [None, "ball", ["ball", "post"], [], "ball", 2]
+    moves = {"unseen": unseen, "unseen_by_light": True}
+    truth = renderer.ground_truth(POSES, **moves)
+    for given in ({}, {"truth": truth}):
+        renderer.dataset(POSES, **given, **moves).to_netcdf(tmp_path / "unseen.nc")
+        with xarray.open_dataset(tmp_path / "unseen.nc") as kept:
+            groups = json.loads(kept.attrs["unseen"])
+            by_pose = [groups[one] if one >= 0 else None for one in kept.unseen_group.values]
+            assert by_pose == [None, [1], [1, 2], None, [1], [2]]
+            by_light = bool(kept.attrs["unseen_by_light"])
+            again = renderer.render(POSES, unseen=by_pose, unseen_by_light=by_light)
+            assert np.array_equal(kept.response, again)
+    alone = renderer.dataset(POSES, truth=truth, unseen_by_light=True)
+    assert alone.attrs["unseen"] == json.dumps(groups)
+    with pytest.raises(omma.Error, match="unseen: expected that of truth"):
+        renderer.dataset(POSES, truth=truth, unseen=[None] * 6)
+    with pytest.raises(omma.Error, match="unseen_by_light: expected True, as of truth"):
+        renderer.dataset(POSES, truth=truth, unseen_by_light=False)
+    assert "unseen_group" not in renderer.dataset(POSES)

@@ -125,7 +125,8 @@ def test_there_is_no_command_where_none_renders_it(looker, ground):
 
 def test_a_recorded_path_is_one_that_is_read(looker):
     looks = [Look(LEVEL), Look(ROLLED)]
-    poses = poses_of_csv("path.csv", path_text(looks).encode())
+    poses, times_s = poses_of_csv("path.csv", path_text(looks).encode())
+    assert times_s is None
     expected = np.stack([one.pose.world_from_head for one in looks])
     # A level pose is made by a point to look at, which is rounded too.
     assert np.abs(poses - expected).max() < 5e-6

@@ -10,11 +10,14 @@ import urllib.request
 
 import numpy as np
 import pytest
+from animated_scenes import swinging_box
 from conftest import make_eye
 from view_checks import ROLLED, ask, wait_for
 
 import omma
+from omma.base.poses import load_timed_poses
 from omma.view.command import Sources
+from omma.view.path_files import poses_of_csv
 from omma.view.poses import HeadPose
 from omma.view.window import _files_of
 
@@ -134,6 +137,32 @@ def test_a_page_behind_a_proxy_has_a_token_and_the_address_there(ground):
         assert ask(port, f"/{token}/", Host="inner:80")[0] == 200
         assert ask(port, f"/bees/{token}/", Host="inner:80")[0] == 200
         assert ask(port, "/view/", Host="inner:80")[0] == 403
+
+
+def test_a_path_with_times_moves_the_scene(tmp_path):
+    """As `omma render --path` does, whether it is asked for at first or opened on the page."""
+    pytest.importorskip("viser", reason="viser (omma[view]) is not installed")
+    scene = swinging_box(tmp_path / "box.gltf")
+    path = tmp_path / "path.csv"
+    rows = [f"{time_s},0,{0.1 * k},0,0,0,0" for k, time_s in enumerate((0.25, 0.5, 7))]
+    path.write_text("t_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "\n".join(rows) + "\n")
+    poses, times_s = load_timed_poses(path)
+    eye = make_eye(30)
+    seen = omma.Renderer(scene, eye, omma.Fixed(4)).render(poses, times_s=times_s)
+    with omma.view.show(scene, eye, port=0, samples=4, path=str(path)) as window:
+        tabs = window._page.tabs
+        for number, time_s in enumerate(times_s):
+            tabs._go_to(number)
+            assert window.look.time_s == time_s
+            assert tabs._time.value == min(time_s, 1)
+            wait_for(lambda: window.seen is not None and window.seen.look == window.look)
+            assert window.look.pose.position_m[1] == pytest.approx(0.1 * number)
+            found = tabs.page.looker.see(window.look, samples=4).responses
+            assert found == pytest.approx(seen[number], abs=1e-6)
+        path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n0,0,0,0,0,0\n0,1,0,0,0,0\n")
+        tabs._take_path(*poses_of_csv("other.csv", path.read_bytes()))
+        tabs._go_to(1)
+        assert window.look.time_s == 7
 
 
 def test_bad_input_of_a_window_is_said_and_leaves_nothing(ground):

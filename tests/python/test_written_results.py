@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import make_eye, write_gltf
+from dataset_jobs import bytes_of, made_store
 
 import omma
 from omma.base.directories import WholeDirectory, abandoned_directories
@@ -218,6 +219,42 @@ def test_a_directory_that_is_no_store_is_not_replaced(folder):
     with pytest.raises(omma.Error, match=r"out.zarr: cannot be written: .* no zarr.json"):
         render("out.zarr")
     assert (folder / "out.zarr" / "thesis.tex").read_text() == "years"
+
+
+@pytest.mark.parametrize("write", ["render_file", "render_like"])
+def test_a_data_set_is_not_replaced(folder, write):
+    """A store of many views, hours of work: also by a render that began before it was there."""
+    _, store = made_store(folder / "job")
+    before = bytes_of(store)
+    render("out.npy")
+    with pytest.raises(omma.Error, match=r"is a data set of omma dataset run; remove it first"):
+        render(store) if write == "render_file" else render_like("out.npy", store)
+    assert bytes_of(store) == before
+    kept = store.rename(folder / "kept.zarr")
+
+    def meanwhile(stage, share):
+        if stage == "Rendering" and kept.exists():
+            kept.rename(store)
+
+    with pytest.raises(omma.Error, match="is a data set of omma dataset run"):
+        render(store, progress=meanwhile)
+    assert bytes_of(store) == before
+    shutil.rmtree(store)
+    render(store)
+    render(store)
+    assert load_responses(store).sizes["pose"] == POSES
+
+
+def test_a_store_of_something_else_is_not_replaced(folder):
+    xarray.Dataset({"height": ("x", [1.0, 2.0])}).to_zarr("out.zarr", zarr_format=3)
+    with pytest.raises(omma.Error, match="is a Zarr store of something else than responses"):
+        render("out.zarr")
+    assert xarray.open_zarr("out.zarr").height.sum() == 3
+    shutil.rmtree("out.zarr")
+    # What the package made in memory is responses too.
+    renderer_of().dataset(np.eye(4)).to_zarr("out.zarr", zarr_format=3)
+    render("out.zarr")
+    assert load_responses("out.zarr").sizes["pose"] == POSES
 
 
 def test_a_link_stays(folder):

@@ -16,6 +16,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from omma._core import Error
+from omma.base.directories import WhatIsKept, why_not_replaced
 from omma.base.optional import needs
 
 PathLike = str | os.PathLike[str]
@@ -72,7 +73,8 @@ class SentFiles:
     def __init__(self) -> None:
         self._folder = tempfile.mkdtemp(prefix="omma-")
         self._here: dict[str, str] = {}  # by address
-        self._markers: dict[str, str] = {}  # of directories, by address
+        # Markers of directories, by address, and what of these is kept.
+        self._markers: dict[str, tuple[str, WhatIsKept]] = {}
 
     def path_of(self, name: str) -> str:
         """Where here is written what goes to that address."""
@@ -83,13 +85,13 @@ class SentFiles:
             self._here[name] = str(own / name.rstrip("/").rsplit("/", 1)[-1])
         return self._here[name]
 
-    def directory_of(self, name: str, marker: str) -> str:
-        """The same for a directory; one that is there is replaced if ``marker`` is in it."""
+    def directory_of(self, name: str, marker: str, kept: WhatIsKept) -> str:
+        """The same for a directory; one that is there is replaced as by `WholeDirectory`."""
         here = self.path_of(name)
-        self._markers[name] = marker
+        self._markers[name] = marker, kept
         files, path = _files_of(name)
         try:
-            _is_taken(files, path, marker)
+            _is_taken(files, path, marker, kept)
         except FileExistsError as error:
             raise Error(f"{name}: cannot be written: {error}") from None
         return here
@@ -99,7 +101,7 @@ class SentFiles:
         for name, here in self._here.items():
             files, path = _files_of(name)
             try:
-                if name in self._markers and _is_taken(files, path, self._markers[name]):
+                if name in self._markers and _is_taken(files, path, *self._markers[name]):
                     files.rm(path, recursive=True)
                 parent = path.rstrip("/").rpartition("/")[0]
                 if parent and name.partition(":")[0].lower() not in _WITHOUT_FOLDERS:
@@ -123,12 +125,15 @@ class SentFiles:
         shutil.rmtree(os.path.dirname(here), ignore_errors=True)
 
 
-def _is_taken(files: Any, path: str, marker: str) -> bool:
-    """Whether something has a directory's name; FileExistsError where that has no marker."""
+def _is_taken(files: Any, path: str, marker: str, kept: WhatIsKept) -> bool:
+    """Whether something has a directory's name; FileExistsError where that is not replaced."""
     if not files.exists(path):
         return False
-    if not files.exists(f"{path}/{marker}"):
-        raise FileExistsError(f"what has that name has no {marker} in it")
+    file = f"{path}/{marker}"
+    held = files.cat_file(file) if files.exists(file) else None
+    why = why_not_replaced(held, marker, kept)
+    if why is not None:
+        raise FileExistsError(why)
     return True
 
 

@@ -6,6 +6,7 @@ import os
 import re
 import secrets
 import shutil
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,6 +14,14 @@ from omma._core import Error
 from omma.base.locks import is_free, lock_directory, sync
 
 _TOKEN_BYTES = 6
+
+# Of a directory that is there, by what its marker holds: what it is, where it is to be kept.
+WhatIsKept = Callable[[bytes], str | None]
+
+
+def nothing_is_kept(marker: bytes) -> str | None:
+    """Any directory with the marker may be replaced."""
+    return None
 
 
 def cache_folder(of: str) -> Path:
@@ -34,10 +43,10 @@ class WholeDirectory:
     It is locked meanwhile, so that what a killed run left can be told from what is still written.
     """
 
-    def __init__(self, name: str, marker: str) -> None:
-        """One of that name is replaced if the file ``marker`` is in it, else omma.Error; links are
-        followed."""
-        self._name, self._marker = name, marker
+    def __init__(self, name: str, marker: str, kept: WhatIsKept = nothing_is_kept) -> None:
+        """One of that name is replaced if the file ``marker`` is in it and ``kept`` says None of
+        what that holds, else omma.Error; links are followed."""
+        self._name, self._marker, self._kept = name, marker, kept
         self._target = Path(os.path.realpath(name))
         self._is_taken()
         self._own = self._beside("partial")
@@ -97,17 +106,28 @@ class WholeDirectory:
         return True
 
     def _is_taken(self) -> bool:
-        """Whether something has its name; omma.Error where that has no marker."""
-        marker = self._target / self._marker
-        if marker.is_file():
-            return True
-        if not self._target.exists():
+        """Whether something has its name; omma.Error where that is not to be replaced."""
+        held = self._read_marker()
+        if held is None and not self._target.exists():
             return False
-        if not marker.is_file():  # asked again: another process may have named its own in between
-            raise Error(
-                f"{self._name}: cannot be written: what has that name has no {self._marker} in it"
-            )
+        if held is None:  # asked again: another process may have named its own in between
+            held = self._read_marker()
+        why = why_not_replaced(held, self._marker, self._kept)
+        if why is not None:
+            raise Error(f"{self._name}: cannot be written: {why}")
         return True
+
+    def _read_marker(self) -> bytes | None:
+        """What the marker of that which has its name holds; None where there is none."""
+        marker = self._target / self._marker
+        if not marker.is_file():
+            return None
+        try:
+            return marker.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise self._error(error) from None
 
     def discard(self) -> None:
         """Remove it, unless it has its name."""
@@ -123,6 +143,15 @@ class WholeDirectory:
 
     def _error(self, error: OSError) -> Error:
         return Error(f"{self._name}: cannot be written: {error.strerror}")
+
+
+def why_not_replaced(held: bytes | None, marker: str, kept: WhatIsKept) -> str | None:
+    """Why a directory is not replaced whose ``marker`` holds that, None of one without; None where
+    it may be."""
+    if held is None:
+        return f"what has that name has no {marker} in it"
+    what = kept(held)
+    return None if what is None else f"what has that name is {what}; remove it first to replace it"
 
 
 def abandoned_directories(name: str) -> list[str]:

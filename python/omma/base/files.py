@@ -6,27 +6,28 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import os
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 import numpy as np
 
 from omma import _core
 from omma._core import Error
 from omma.base.addresses import SentFiles, check_address, expect_local, is_address, local_path
-from omma.base.directories import WholeDirectory, abandoned_directories
+from omma.base.directories import (
+    WhatIsKept,
+    WholeDirectory,
+    abandoned_directories,
+    nothing_is_kept,
+)
+from omma.base.named_files import files_in, files_named_by
 from omma.base.progress import Progress
 
 PathLike = str | os.PathLike[str]
-
-# No name of a file that a glTF file can mean is longer.
-_LONGEST_NAME = 1000
 
 # Files that are named where many were left behind; and what ends their names, .TOKEN.partial.
 _NAMED = 3
@@ -133,11 +134,11 @@ class WholeFiles:
         name = self._here(name)
         return self._files.temporary(self._files.open(name))
 
-    def open_directory(self, name: str, marker: str) -> str:
+    def open_directory(self, name: str, marker: str, kept: WhatIsKept = nothing_is_kept) -> str:
         """A new directory that will be called ``name``, as it is called meanwhile. One that has
-        that name is replaced if the file ``marker`` is in it."""
-        name = self._here(name, marker)
-        self._directories.append(WholeDirectory(name, marker))
+        that name is replaced as by `WholeDirectory`."""
+        name = self._here(name, marker, kept)
+        self._directories.append(WholeDirectory(name, marker, kept))
         return self._directories[-1].temporary
 
     def at_end(self, last: Callable[[], object]) -> None:
@@ -171,7 +172,9 @@ class WholeFiles:
             if self._sent is not None and kind is not None:
                 self._sent.discard()
 
-    def _here(self, name: str, marker: str | None = None) -> str:
+    def _here(
+        self, name: str, marker: str | None = None, kept: WhatIsKept = nothing_is_kept
+    ) -> str:
         """The path to write to, of what goes to an address one from which it will be sent."""
         name = local_path(name)
         if not is_address(name):
@@ -179,7 +182,7 @@ class WholeFiles:
         if self._sent is None:
             self._sent = SentFiles()
         if marker is not None:
-            return self._sent.directory_of(name, marker)
+            return self._sent.directory_of(name, marker, kept)
         return self._sent.path_of(name)
 
 
@@ -220,7 +223,7 @@ def check_target(name: str) -> None:
 
 def check_kept(written: Iterable[PathLike], read: Iterable[PathLike]) -> None:
     """omma.Error where a file to write is there twice, or is one of those that are read or that a
-    glTF file among them names, by whatever name or link."""
+    file of a scene among them names, by whatever name or link."""
     places: dict[str, str] = {}
     for name in map(local_path, written):
         place = name if is_address(name) else os.path.realpath(name)
@@ -232,7 +235,7 @@ def check_kept(written: Iterable[PathLike], read: Iterable[PathLike]) -> None:
     if not there:
         return
     inputs = [local_path(name) for name in read]
-    for source in [*inputs, *(file for name in inputs for file in _named_by(name))]:
+    for source in [*inputs, *(file for name in inputs for file in files_named_by(name))]:
         for place, name in there.items():
             if _exists(source) and os.path.samefile(source, place):
                 raise Error(f"{name}: would replace what it is made from")
@@ -297,51 +300,11 @@ def _exists(name: str) -> bool:
     return not is_address(name) and len(name) > 0 and "\0" not in name and os.path.exists(name)
 
 
-def _named_by(name: str) -> list[str]:
-    """Files that a glTF file names, none where it is none: who reads it says what is wrong."""
-    if Path(name).suffix.lower() not in (".gltf", ".glb") or not os.path.isfile(name):
-        return []
-    try:
-        return list(_files_in(name, _core.read_file(name)))
-    except Error:
-        return []
-
-
-def _files_in(name: str, data: bytes) -> Iterator[str]:
-    """The files that are there, of those that a glTF file of these bytes names."""
-    binary = data[:4] == b"glTF"
-    # Of a .glb the first chunk is the JSON text.
-    text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if binary else data
-    # URIs of all kinds: buffers, images, eyes, extensions.
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError):
-        raise Error(f"{name}: is not a glTF file: its JSON is malformed") from None
-    for other in sorted(set(_texts(document))):
-        for beside in {other, unquote(other)}:
-            file = os.path.join(os.path.dirname(name), beside)
-            if 0 < len(beside) < _LONGEST_NAME and "\0" not in beside and os.path.isfile(file):
-                yield file
-
-
 def digests_of(path: PathLike) -> dict[str, str]:
-    """SHA-256 of a file, and of every file that a glTF file names."""
+    """SHA-256 of a file, and of every file that one of a scene names."""
     name = os.fsdecode(path)
     data = _core.read_file(name)
     digests = {name: hashlib.sha256(data).hexdigest()}
-    if Path(name).suffix.lower() in (".gltf", ".glb"):
-        for file in _files_in(name, data):
-            digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
+    for file in files_in(name, data):
+        digests[file] = hashlib.sha256(_core.read_file(file)).hexdigest()
     return digests
-
-
-def _texts(document: Any) -> Iterable[str]:
-    waiting = [document]
-    while waiting:
-        value = waiting.pop()
-        if isinstance(value, str):
-            yield value
-        elif isinstance(value, dict):
-            waiting.extend(value.values())
-        elif isinstance(value, list):
-            waiting.extend(value)

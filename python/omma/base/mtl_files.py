@@ -20,6 +20,7 @@ from omma import _core
 from omma._core import Error, Image, Material, Texture, TextureUse
 from omma.base.mesh_parts import MeshParts
 from omma.base.mesh_pictures import MOST_PIXELS, alpha_of, opaque, read_picture, with_alpha
+from omma.base.named_files import found_beside, material_libraries
 
 # Options before the name of a picture, and how many values each has at most; -o, -s and -t take
 # one to three numbers.
@@ -81,10 +82,8 @@ class Materials:
         ]
 
     def _read_library(self, line: str) -> None:
-        """A line names one file, perhaps with spaces, or several."""
-        names = [line] if _found(self._folder, line) or " " not in line else line.split()
-        for name in names:
-            file = _found(self._folder, name)
+        for name in material_libraries(self._folder, line):
+            file = found_beside(self._folder, name)
             if file is None:
                 self._missing = True
                 self._told[f"{name or '.mtl'} is missing; its materials count as white"] += 1
@@ -240,7 +239,7 @@ class Materials:
         return TextureUse(texture, offset=(u, 1 - scale[1] - v), scale=scale)
 
     def _pixels(self, picture: _Picture) -> NDArray[Any] | None:
-        file = _found(self._folder, picture.name)
+        file = found_beside(self._folder, picture.name)
         if file is None:
             self._told[f"the picture {picture.name} is missing; its material is seen without"] += 1
             return None
@@ -252,18 +251,6 @@ class Materials:
         except Error as error:
             self._told[f"a picture is passed over: {error}"] += 1
             return None
-
-
-def _found(folder: str, name: str) -> str | None:
-    """The file of that name; a back slash is what other systems have between folders."""
-    for one in (name, name.replace("\\\\", "/").replace("\\", "/")):
-        file = os.path.join(folder, one)
-        try:
-            if one and os.path.isfile(file):
-                return file
-        except ValueError:  # a zero byte
-            return None
-    return None
 
 
 def _is_number(text: str) -> bool:

@@ -21,11 +21,11 @@ from omma._core import Error
 from omma.base.arrays import Ints
 from omma.base.mesh_parts import MeshParts, Piece, linear
 from omma.base.mtl_files import Materials
+from omma.base.named_files import MATERIAL_LIBRARY, text_of_name
 from omma.base.optional import needs
 from omma.base.polygons import triangulate
 
 _USE = re.compile(rb"^[ \t]*usemtl\b[ \t]*([^\r\n]*)", re.MULTILINE)
-_LIBRARY = re.compile(rb"^[ \t]*mtllib\b[ \t]*([^\r\n]*)\r?$", re.MULTILINE)
 # x, y, z, and w or a colour behind them; in texture coordinates 1 to 3 numbers.
 _NUMBER = rb"[ \t]+[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _END = rb"[ \t]*(?:#[^\r\n]*)?\r?$"
@@ -55,15 +55,15 @@ def read_obj(path: str) -> MeshParts:
     _expect_lines(path, data)
     data = _COMMENT.sub(rb"\1", data)
     data = _WITH_OPEN.sub(lambda face: _OPEN.sub(b"", face[0]), data)
-    libraries = [_text(one).strip() for one in _LIBRARY.findall(data)]
+    libraries = [text_of_name(one).strip() for one in MATERIAL_LIBRARY.findall(data)]
     names: dict[bytes, int] = {}
 
     def numbered(found: re.Match[bytes]) -> bytes:
         return b"usemtl %d" % names.setdefault(found[1].strip(), len(names))
 
-    data = _LIBRARY.sub(b"", _USE.sub(numbered, data))
+    data = MATERIAL_LIBRARY.sub(b"", _USE.sub(numbered, data))
     reader = _parsed(path, b"mtllib m\n" + data, len(names))
-    used = [_text(one) for one in names]
+    used = [text_of_name(one) for one in names]
     materials = Materials(path, libraries, used)
     parts = materials.parts
     _add_pieces(path, data, reader, parts, used)
@@ -96,16 +96,9 @@ def _expect_lines(path: str, data: bytes) -> None:
         expected = "f and corners as 1, 1/2, 1//3 or 1/2/3, numbers of vertices not 0"
     commas = "; decimals are behind points, not commas" if b"," in found[0] else ""
     raise Error(
-        f"{path}: line {line}: expected {expected}, found {_text(found[0].strip())!r:.60}{commas}"
+        f"{path}: line {line}: expected {expected}, found "
+        f"{text_of_name(found[0].strip())!r:.60}{commas}"
     )
-
-
-def _text(name: bytes) -> str:
-    """As most programs write names; in the encoding of old ones where it is not that."""
-    try:
-        return name.decode()
-    except UnicodeDecodeError:
-        return name.decode("latin-1")
 
 
 def _parsed(path: str, data: bytes, material_count: int) -> Any:

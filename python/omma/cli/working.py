@@ -21,6 +21,8 @@ from omma._core import Error
 
 # Where stderr is no terminal: how often it is told how far the work is.
 LINE_EVERY_S = 10.0
+# Over how long the speed is a mean from which the time left follows: items take unlike times.
+_SPEED_OVER_S = 300.0
 
 
 @contextmanager
@@ -144,6 +146,7 @@ class DelayedBar:
             _Times(),
             console=Console(stderr=True),
             transient=True,
+            speed_estimate_period=_SPEED_OVER_S,
         )
         self._task = self._bar.add_task("", total=None)
         self._stage = ""

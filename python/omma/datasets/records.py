@@ -35,9 +35,9 @@ from omma.base.said import (
 from omma.datasets.job_file import Job
 from omma.datasets.plan import MOST_VIEWS, Plan
 from omma.datasets.shard_bytes import COMPRESSION
-from omma.rendering.labelled_files import ZARR_MARKER, load_package
+from omma.rendering.labelled_files import DATA_SET, ZARR_MARKER, load_package
 
-FORMAT = "omma dataset 1"
+FORMAT = f"{DATA_SET} 1"
 
 _RECORD = re.compile(r"(\d+)\.json")
 

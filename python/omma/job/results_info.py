@@ -30,6 +30,7 @@ _SETTINGS = (
         one.name for kind in (*get_args(Sampling), Settings) for one in options_of(kind)
     ),
     *("kernel", "background", "band_from_rgb", "ultraviolet"),  # kernel: of older versions
+    *("at_time_s", "at_animation", "animation", "unseen", "unseen_by_light"),
 )
 
 

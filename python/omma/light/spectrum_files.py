@@ -76,6 +76,10 @@ def load_spectra(
             wavelengths that do not ascend, are there twice or are not nanometres, a range beyond
             them, values that are negative beyond noise or neither fractions nor per cent; it names
             the file and, where there is one, the line.
+
+    Warns:
+        UserWarning: what unit was taken, values below 0 that became 0, columns in per cent beside
+            which others may be fractions, names that are not those of the columns.
     """
     if unit is not None:
         one_of(unit, ("fraction", "percent", "as_is"), "unit")

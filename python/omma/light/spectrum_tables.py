@@ -16,6 +16,7 @@ from omma._core import Error
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.base.tables import decimal_point, has_decimal_comma, separator_of
+from omma.base.warn import warn_caller
 
 # The lines of Ocean Optics' and its successors' files between which the table is.
 _BEGIN, _END = re.compile(r">+\s*Begin .*Spectral Data"), re.compile(r">+\s*End .*Spectral Data")
@@ -71,7 +72,7 @@ def read_spectrum_table(path: PathLike) -> SpectrumTable:
         raise Error(f"{name}: expected lines of wavelengths and values, found none")
     width = len(parsed[first][1])
     above = [row for _, row, _ in parsed[max(first - 2, 0) : first]]
-    names = _names(above, width, Path(name).stem)
+    names = _names(name, above, width)
     for n, row, found in parsed[first:]:
         if None in found:
             raise _no_number(name, n, row, found)
@@ -142,17 +143,20 @@ def _delimiter(line: str) -> str:
 
 
 def _same_width(rows: list[list[str]]) -> list[list[str]]:
-    """The cells of each line, without the empty ones that end all lines of numbers."""
+    """The cells of each line, without the empty ones that end all lines of numbers; so also of
+    lines above these, where a name stands over such."""
     rows = [[cell.strip() for cell in row] for row in rows]
     used = [max((k for k, cell in enumerate(row, start=1) if cell), default=0) for row in rows]
-    width = max(
-        (
-            end
-            for row, end in zip(rows, used)
-            if all(not cell or _NUMBER.fullmatch(decimal_point(cell)) for cell in row)
-        ),
-        default=0,
-    )
+    numbers = [
+        k
+        for k, row in enumerate(rows)
+        if all(not cell or _NUMBER.fullmatch(decimal_point(cell)) for cell in row)
+    ]
+    width = max((used[k] for k in numbers), default=0)
+    first = next((k for k in numbers if used[k] > 1), 0)
+    for k in range(first):
+        if used[k] <= len(rows[first]):
+            used[k] = min(used[k], width)
     return [row[: max(end, min(width, len(row)), 1)] for row, end in zip(rows, used)]
 
 
@@ -191,9 +195,9 @@ def _no_number(name: str, line: int, row: list[str], found: list[float | None]) 
     return Error(f"{name}, line {line}: expected numbers, found {wrong!r:.40}")
 
 
-def _names(above: list[list[str]], width: int, stem: str) -> list[str]:
+def _names(path: str, above: list[list[str]], width: int) -> list[str]:
     """What columns are called, by the lines above: names, and below them units in brackets as
-    Avantes writes them."""
+    Avantes writes them. Warns where there are names, but not for these columns."""
     header = above[-1] if above else []
     if len(above) == 2 and len(above[0]) == len(header) and all(_UNIT.fullmatch(c) for c in header):
         header = [f"{one} {unit}" for one, unit in zip(*above)]
@@ -202,7 +206,15 @@ def _names(above: list[list[str]], width: int, stem: str) -> list[str]:
     elif len(header) == width > 2 and header[0] == "" and _WAVELENGTH.fullmatch(header[1]):
         header = [_ROW_NAMES, *header[1:]]
     if len(header) != width:
-        return ["", stem] if width == 2 else ["", *(f"column {k}" for k in range(2, width + 1))]
+        numbered = [f"column {k}" for k in range(2, width + 1)]
+        names = ["", *([Path(path).stem] if width == 2 else numbered)]
+        if len(header) > 1 and is_wavelength_name(header[0]):
+            warn_caller(
+                f"{path}: expected a name for each of {width} columns of numbers, found "
+                f"{len(header)} names; its spectra are called {', '.join(names[1:]):.100}",
+                UserWarning,
+            )
+        return names
     return [one or f"column {k}" for k, one in enumerate(header, start=1)]
 
 

@@ -106,6 +106,7 @@ def up_towards(eye: Eye, direction: ArrayLike, *, where: Region | None = None) -
     target = array_of(direction, "direction")
     if target.shape != (3,) or not np.all(np.isfinite(target)) or not target.any():
         raise Error(f"direction: expected three numbers, not all 0, found {target.tolist()}")
+    target = target / np.abs(target).max()  # whose square is a number, however small or large
     up = eye.up.astype(np.float64)
     inside = region_mask(eye, where)
     up[inside] = target / np.linalg.norm(target)
@@ -118,9 +119,12 @@ def region_mask(eye: Eye, where: Region | None) -> Flags:
         return np.ones(len(eye), bool)
     if callable(where):
         x, y, z = eye.axis.T.astype(np.float64)
-        mask = np.asarray(where(np.arctan2(x, -z), np.arctan2(y, np.hypot(x, z))))
-    else:
+        where = where(np.arctan2(x, -z), np.arctan2(y, np.hypot(x, z)))
+    try:
         mask = np.asarray(where)
+    except ValueError:
+        expected = f"a mask of {len(eye)} truth values"
+        raise Error(f"where: expected {expected}, found rows of different lengths") from None
     if mask.shape != (len(eye),) or mask.dtype != np.bool_:
         raise Error(
             f"where: expected a mask of {len(eye)} truth values, found {mask.dtype} of shape "

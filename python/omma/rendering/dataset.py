@@ -19,10 +19,11 @@ from omma.base.progress import Progress
 from omma.rendering.call import Call, Frames, Poses, Prepared, poses_of
 from omma.rendering.labels import Labels, Variables, labels_of
 from omma.rendering.moves import MovesOptions, Things, renderer_method
+from omma.rendering.moves_told import MovesTold
 from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, origin_of, truth_variables
-from omma.rendering.truth_origin import check_origin, things_of, times_of
+from omma.rendering.truth_origin import check_origin, moves_of, times_of
 from omma.rendering.without_polarisation import tell_without_polarisation
 
 if TYPE_CHECKING:
@@ -53,10 +54,13 @@ def dataset(
     and ommatidium.
     Variables: ``response``, ``standard_error`` where asked for, ``rays`` with `ToError`;
     ``world_from_thing`` (pose, thing, 4, 4) of what ``transforms`` move, by name, with
-    ``instance_index``, that in `World.instances`.
+    ``instance_index``, that in `World.instances`; with ``unseen`` ``unseen_group`` (pose), which
+    group of the attribute is not seen, -1 for none.
     Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
     scene's files as they are now; with noise="new_every_frame" ``first_pose``, the number of the
-    first frame, with which `render` gives the same bits again.
+    first frame, with which `render` gives the same bits again. Where there are such:
+    ``at_time_s`` and ``at_animation`` of the last `World.at`, ``animation``, ``unseen`` (JSON: the
+    groups, each the indices of its things in `World.instances`) and ``unseen_by_light``.
 
     Args:
         poses, standard_error, first_pose, progress: as of `render`. With `ToError` there
@@ -67,14 +71,16 @@ def dataset(
             ``times_s``, where these are given. They may stand still or run backwards, as where
             sequences follow on each other.
         truth: what `ground_truth` gave for these poses. Its responses are taken, nothing is
-            rendered. Its first pose's number, times, instances and transforms are kept; what is
-            given of them here too must be the same. Each of its arrays is a variable, with ``axis``
-            (x, y, z), ``direction`` (right, up) or ``instance`` behind ``ommatidium``.
-        instances, transforms, times_s, animation: as of `render`.
+            rendered. Its first pose's number, times, instances, transforms, animation and what
+            was unseen are kept; what is given of them here too must be the same. Each of its arrays
+            is a variable, with ``axis`` (x, y, z), ``direction`` (right, up) or ``instance`` behind
+            ``ommatidium``.
+        instances, transforms, times_s, animation, past, unseen, unseen_by_light: as of `render`.
 
     Raises:
         omma.Error: what `render` and `render_receptors` raise; ``truth`` of other poses, of
-            another eye, world, settings, frames, times or transforms; ``time_s`` that are not
+            another eye, world, settings, frames, times, transforms or animation, or with other
+            things unseen; ``time_s`` that are not
             finite; no xarray (``omma[data]``).
     """
     load_xarray()
@@ -103,8 +109,9 @@ def dataset(
             standard_error=frames.standard_error is not None,
             time_s=times,
             first_pose=call.first_frame,
+            more=call.moves.told.attributes,
         )
-        return _labelled(labels, frames, call.moves.things())
+        return _labelled(labels, frames, call.moves.things(), call.moves.told)
     if receptors:
         raise Error("truth: not together with receptors, which it does not have")
     if standard_error and truth.standard_error is None:
@@ -120,6 +127,7 @@ def dataset(
     if origin is not None:
         check_origin(origin, self, first_pose)
     times = times_of(origin, when, len(matrices))
+    things, told = moves_of(origin, self, matrices, moves)
     frames = Frames(truth.responses, truth.standard_error, truth.rays)
     labels = labels_of(
         self,
@@ -127,23 +135,27 @@ def dataset(
         standard_error=truth.standard_error is not None,
         time_s=times,
         first_pose=first_pose if origin is None else origin.first_pose,
+        more=told.attributes,
     )
-    data = _labelled(labels, frames, things_of(origin, self, matrices, moves))
+    data = _labelled(labels, frames, things, told)
     first = "pose" if times is None else "time"
     with_truth: xarray.Dataset = data.assign(truth_variables(truth, (first, "ommatidium")))
     return with_truth
 
 
-def _labelled(labels: Labels, frames: Frames, things: Things) -> xarray.Dataset:
+def _labelled(labels: Labels, frames: Frames, things: Things, told: MovesTold) -> xarray.Dataset:
     """Frames that were rendered, as labels need poses that the engine has accepted."""
     values = {
         "response": frames.responses, "standard_error": frames.standard_error, "rays": frames.rays
     }  # fmt: skip
     data = dataset_of(labels, values)
     names, indices, matrices = things
+    first = labels.variables["response"][0][0]
+    if told.unseen_group is not None:
+        of_pose = {"long_name": "which group of the attribute unseen is not seen, -1 for none"}
+        data = data.assign({"unseen_group": ((first,), told.unseen_group, of_pose)})
     if not names:
         return data
-    first = labels.variables["response"][0][0]
     about = {"long_name": "where each thing that was moved is in the world; lengths in m"}
     moved: Variables = {
         "thing": (("thing",), np.array(names, dtype=np.str_), {}),

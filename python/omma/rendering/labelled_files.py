@@ -6,6 +6,7 @@ full size at once and filled piece by piece, so that poses need no memory.
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections.abc import Mapping
 from typing import Any
@@ -23,6 +24,8 @@ _CHUNK_BYTES = 4 << 20
 
 # The file that every Zarr 3 store has.
 ZARR_MARKER = "zarr.json"
+# How the attribute ``format`` of a data set's store begins.
+DATA_SET = "omma dataset"
 
 
 def write_coordinate(
@@ -43,12 +46,24 @@ def write_coordinate(
     )[...] = values
 
 
+def other_than_responses(marker: bytes) -> str | None:
+    """What a store with this ``zarr.json`` is, which responses do not replace; None where it holds
+    responses itself."""
+    try:
+        attributes = dict(json.loads(marker)["attributes"])
+    except (ValueError, TypeError, KeyError, RecursionError):
+        attributes = {}
+    if str(attributes.get("format", "")).startswith(DATA_SET):
+        return "a data set of omma dataset run"
+    return None if "omma_version" in attributes else "a Zarr store of something else than responses"
+
+
 class ZarrWriter:
     """A Zarr 3 store, a directory."""
 
     def __init__(self, files: WholeFiles, name: str, labels: Labels) -> None:
         zarr = load_package("zarr", name)
-        path = files.open_directory(name, ZARR_MARKER)
+        path = files.open_directory(name, ZARR_MARKER, other_than_responses)
         self._arrays: dict[str, Any] = {}
         with warnings.catch_warnings():
             # Zarr warns that texts and the index of a store are newer than its standard; any

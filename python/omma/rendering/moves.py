@@ -17,6 +17,7 @@ from omma.base.slips import warn_of_slip
 from omma.base.velocities import is_stretched, velocities_about, velocities_from_poses
 from omma.base.warn import warn_caller
 from omma.photoreceptors import ImpulseResponse
+from omma.rendering.moves_told import MovesTold
 from omma.scene.world import World
 from omma.scene.world_moves import (
     Animations,
@@ -167,6 +168,9 @@ class Moves:
         if by_light and options.get("unseen") is None:
             raise Error("unseen_by_light: goes with unseen, found None of that")
         self._by_light = bool(by_light)
+        unseen = self._groups, self._group_of_pose
+        self.told = MovesTold.of(world, unseen, self._by_light)
+        self.told = self.told.with_animation(world.scene, animation)
 
     def piece(self, first: int, count: int) -> Self:
         """The same of some of the poses."""

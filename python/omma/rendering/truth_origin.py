@@ -12,6 +12,7 @@ from omma.base.arguments import array_of
 from omma.base.poses import Matrices
 from omma.rendering.call import Call, Prepared
 from omma.rendering.moves import Moves, MovesOptions, Things
+from omma.rendering.moves_told import MovesTold
 from omma.rendering.settings import Settings, frame_number, settings_as_record
 
 # Of the numbers of a pose: as far as single precision rounds them, two are the same.
@@ -27,6 +28,7 @@ class Origin:
     """Number of the first pose's frame; None where noise is frozen and none was given."""
     times_s: NDArray[np.float64] | None
     things: Things
+    told: MovesTold
 
     @classmethod
     def of(cls, call: Call) -> Origin:
@@ -35,7 +37,7 @@ class Origin:
         things = names, indices.copy(), transforms.copy()
         times = call.moves.times_s
         copied = None if times is None else times.copy()
-        return cls(call.renderer.settings, call.first_frame, copied, things)
+        return cls(call.renderer.settings, call.first_frame, copied, things, call.moves.told)
 
 
 def check_origin(origin: Origin, renderer: Prepared, first_pose: int | None) -> None:
@@ -55,17 +57,33 @@ def check_origin(origin: Origin, renderer: Prepared, first_pose: int | None) -> 
         )
 
 
-def things_of(
+def moves_of(
     origin: Origin | None, renderer: Prepared, matrices: Matrices, moves: MovesOptions
-) -> Things:
-    """Where things were that were moved: as ground truth has it, and else as the caller says;
-    omma.Error where they do not agree."""
-    given: MovesOptions = {
-        "instances": moves.get("instances"), "transforms": moves.get("transforms")
-    }  # fmt: skip
-    told = Moves(renderer.world, matrices, given, None).things()
+) -> tuple[Things, MovesTold]:
+    """Where things were that were moved, and how else the scene was asked for: as ground truth has
+    it, and else as the caller says; omma.Error where they do not agree."""
+    asked: MovesOptions = {
+        "instances": moves.get("instances"),
+        "transforms": moves.get("transforms"),
+        "unseen": moves.get("unseen"),
+    }
+    by_light = moves.get("unseen_by_light")
+    if origin is None or moves.get("unseen") is not None:
+        asked["unseen_by_light"] = by_light
+    given = Moves(renderer.world, matrices, asked, None)
+    told = given.told.with_animation(renderer.world.scene, moves.get("animation"))
     if origin is None:
-        return told
+        return given.things(), told
+    for name in ("animation", "unseen"):
+        if moves.get(name) is not None and told.differs(origin.told, name):
+            raise Error(f"{name}: expected that of truth, or None, found another")
+    known = "unseen_by_light" in origin.told.attributes
+    if by_light is not None and bool(by_light) != known:
+        raise Error(f"unseen_by_light: expected {known}, as of truth, or None, found {by_light}")
+    return _things_of(origin, given.things(), moves), origin.told
+
+
+def _things_of(origin: Origin, told: Things, moves: MovesOptions) -> Things:
     if moves.get("instances") is None:
         return origin.things
     _, indices, transforms = told

@@ -133,9 +133,10 @@ class Page:
         """Change the settings that are named; shown as soon as it is rendered."""
         self.live.want(replace(self.live.look, **changes))
 
-    def go_to(self, pose: HeadPose, *, dragged: bool = False) -> None:
-        """Put the head somewhere. Where the browser drags it, it is there already."""
-        self.want(pose=pose)
+    def go_to(self, pose: HeadPose, *, dragged: bool = False, **changes: Any) -> None:
+        """Put the head somewhere, and change the settings that are named. Where the browser drags
+        it, it is there already."""
+        self.want(pose=pose, **changes)
         if not dragged:
             self.scene.place_head(pose)
         self.tabs.show_pose(pose)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from numpy.typing import ArrayLike
-
 from omma._core import Error
-from omma.base.poses import as_poses
+from omma.base.arrays import Floats
+from omma.base.poses import Matrices
 from omma.picture.video import FRAMES_PER_S
 from omma.view.motion import Clock
 from omma.view.page import Page
@@ -26,12 +25,14 @@ _WIDTH = 430.0
 class Tabs:
     """The widgets of a page; what they are set to goes to the page, and back.
 
-    ``path``: poses that can be played, (P, 4, 4); None: none as yet.
+    ``path``: poses that can be played, (P, 4, 4); None: none as yet. ``times_s``: (P,), when they
+    are, by which the scene's animations go; None: nobody knows.
     """
 
-    def __init__(self, page: Page, path: ArrayLike | None) -> None:
+    def __init__(self, page: Page, path: Matrices | None, times_s: Floats | None = None) -> None:
         self.page = page
         self._poses: list[HeadPose] = []
+        self._times_s: list[float] | None = None
         self._at = 0.0
         self._clock = Clock(self._on_play, lambda: page.live.look, self._on_full, page.tell_error)
         gui = page.server.gui
@@ -62,7 +63,7 @@ class Tabs:
             gui.add_html(CAMERA_PICTURE)
         beside.float(x=-12, y=-12, width=300)
         if path is not None:
-            self._take_path([pose_from_matrix(one) for one in as_poses(path)])
+            self._take_path(path, times_s)
 
     def close(self) -> None:
         """End what plays."""
@@ -140,7 +141,10 @@ class Tabs:
         self._upload = gui.add_upload_button("Open a path (CSV)", mime_type=".csv,text/csv")
         self._frame = gui.add_slider("Pose", 0, 1, 1, 0, disabled=True)
         self._play = gui.add_checkbox(
-            "Play", False, hint=f"The path, {FRAMES_PER_S} poses a second, and the animations"
+            "Play",
+            False,
+            hint=f"The path, {FRAMES_PER_S} poses a second, and the animations, by the path's "
+            "times where it has some",
         )
         self._record = gui.add_button("Record", icon="player-record")
         self._stop = gui.add_button("Stop, and save the video", icon="video", disabled=True)
@@ -167,13 +171,15 @@ class Tabs:
 
     async def _on_upload(self, event: Any) -> None:
         file = event.target.value
-        self._take_path([pose_from_matrix(one) for one in poses_of_csv(file.name, file.content)])
+        self._take_path(*poses_of_csv(file.name, file.content))
         self.page.tell("Path", f"{file.name}: {len(self._poses)} poses")
 
-    def _take_path(self, poses: list[HeadPose]) -> None:
+    def _take_path(self, matrices: Matrices, times_s: Floats | None) -> None:
+        poses = [pose_from_matrix(one) for one in matrices]
         if not poses:
             raise Error("path: expected at least one pose, found none")
         self._poses, self._at = poses, 0.0
+        self._times_s = None if times_s is None or self._time is None else times_s.tolist()
         self._frame.max = max(1, len(poses) - 1)
         self._frame.disabled = len(poses) < 2
         self._frame.value = 0
@@ -181,7 +187,17 @@ class Tabs:
     async def _on_frame(self, _: Any) -> None:
         if self._poses:
             self._at = float(self._frame.value)
-            self.page.go_to(self._poses[min(int(self._at), len(self._poses) - 1)])
+            self._go_to(min(int(self._at), len(self._poses) - 1))
+
+    def _go_to(self, number: int) -> None:
+        """Go to a pose of the path, and to its time."""
+        if self._times_s is None:
+            self.page.go_to(self._poses[number])
+            return
+        time_s = self._times_s[number]
+        self.page.go_to(self._poses[number], time_s=time_s)
+        assert self._time is not None
+        self._time.value = round(min(max(time_s, 0.0), self.page.looker.duration_s), 3)
 
     async def _on_play_box(self, _: Any) -> None:
         if self._play.value and not self._poses and self._time is None:
@@ -193,9 +209,9 @@ class Tabs:
         """Some frames on, in the clock's thread; what ends begins anew."""
         if self._poses:
             self._at = (self._at + frames) % len(self._poses)
-            self.page.go_to(self._poses[int(self._at)])
+            self._go_to(int(self._at))
             self._frame.value = int(self._at)
-        if self._time is not None:
+        if self._time is not None and self._times_s is None:
             duration = self.page.looker.duration_s
             now = (float(self._time.value) + frames / FRAMES_PER_S) % duration
             self._time.value = round(now, 3)

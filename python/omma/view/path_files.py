@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Error
+from omma.base.arrays import Floats
 from omma.base.files import WholeFiles
-from omma.base.poses import load_poses
+from omma.base.poses import Matrices, load_timed_poses
 from omma.picture.video import FRAMES_PER_S, VideoWriter
 from omma.rendering.response_files import Piece
 from omma.view.command import path_text
@@ -23,8 +24,9 @@ _MOST_BYTES = 64 << 20
 _WIDTH = 1024
 
 
-def poses_of_csv(name: str, content: bytes) -> NDArray[np.float64]:
-    """Poses (P, 4, 4) of a CSV file that a browser brings, as `omma.load_poses` reads it.
+def poses_of_csv(name: str, content: bytes) -> tuple[Matrices, Floats | None]:
+    """Poses (P, 4, 4) of a CSV file that a browser brings, as `omma.load_poses` reads it, and when
+    they are (P,), s, where it says so.
 
     Raises:
         omma.Error: what is wrong, and in which line; a file over 64 MB.
@@ -35,7 +37,7 @@ def poses_of_csv(name: str, content: bytes) -> NDArray[np.float64]:
         path = Path(folder) / "path.csv"
         path.write_bytes(content)
         try:
-            return load_poses(path)
+            return load_timed_poses(path)
         except Error as error:
             raise Error(str(error).replace(str(path), name)) from None
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye, Scene, merge_eyes
 from omma.base.arguments import checked, expect, whole
 from omma.base.optional import needs
-from omma.base.poses import as_pose, as_poses, load_poses
+from omma.base.poses import as_pose, as_poses, load_timed_poses
 from omma.eye.files import load_eye
 from omma.receptors.sensitivity import ultraviolet_mix
 from omma.scene.files import read_scene
@@ -142,7 +142,8 @@ def show(
         pose: where the head is at first, ``world_from_head`` (4, 4), m; None: at the scene's first
             camera, else at the origin. Its scale is left out.
         samples: rays of each ommatidium while things move, 1 to 256.
-        path: poses that can be played, (P, 4, 4), or a file that `omma.load_poses` reads.
+        path: poses that can be played, (P, 4, 4), or a file that `omma.load_poses` reads; where
+            that has times, ``t_s``, the scene's animations go by them.
         ultraviolet: of receptors, as `Renderer.render_receptors` takes it.
         animation: which of the scene's animations the time is of; None: all.
         threads: that render; 0 takes one per hardware thread.
@@ -197,9 +198,11 @@ def open_window(world: World, eye: Eye, sources: Sources, asked: WindowOptions) 
         first = as_pose(asked.pose, "pose")
     else:
         first = cameras[0].world_from_camera if cameras else np.eye(4)
-    poses = load_poses(asked.path) if isinstance(asked.path, str) else asked.path
-    if poses is not None:
-        poses = as_poses(poses)
+    poses = times_s = None
+    if isinstance(asked.path, str):
+        poses, times_s = load_timed_poses(asked.path)
+    elif asked.path is not None:
+        poses = as_poses(asked.path)
     look = Look(pose_from_matrix(first), asked.samples)
     sources = replace(
         sources,
@@ -218,7 +221,7 @@ def open_window(world: World, eye: Eye, sources: Sources, asked: WindowOptions) 
             server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         _lock(server, secret)
         page = Page(server, looker, look, sources)
-        tabs = Tabs(page, poses)
+        tabs = Tabs(page, poses, times_s)
         page.equip(tabs, Hands(page, tabs))
     except BaseException:
         listener.close()
