@@ -1748,8 +1748,10 @@ class Eye:
     def acceptance(self, ommatidium: int) -> Acceptance:
         """The angular sensitivity of one ommatidium."""
 
-    def take(self, ommatidia: numpy.typing.ArrayLike) -> Eye:
-        """The ommatidia with these indices, or where this mask (N,) is true."""
+    def take(self, ommatidia: numpy.typing.ArrayLike | slice) -> Eye:
+        """
+        The ommatidia with these indices, of this slice, or where this mask (N,) is true.
+        """
 
     def interommatidial_angle_rad(self) -> numpy.typing.NDArray[numpy.float32]:
         """

@@ -89,7 +89,9 @@ nb::object right_of(const Eye& eye) {
 
 Eye take_rows(const Eye& eye, nb::handle ommatidia) {
   const nb::module_ numpy = nb::module_::import_("numpy");
-  nb::object indices = numpy.attr("asarray")(ommatidia);
+  nb::object indices = PySlice_Check(ommatidia.ptr())
+                           ? nb::object(numpy.attr("arange")(eye.size())[ommatidia])
+                           : numpy.attr("asarray")(ommatidia);
   if (nb::cast<std::string>(indices.attr("dtype").attr("kind")) == "b") {
     const nb::object shape = indices.attr("shape");
     if (!shape.equal(nb::make_tuple(eye.size())))
@@ -252,8 +254,8 @@ void bind_eye(nb::module_& m) {
           },
           nb::arg("ommatidium"), "The angular sensitivity of one ommatidium.")
       .def("take", &take_rows, nb::arg("ommatidia"),
-           nb::sig("def take(self, ommatidia: numpy.typing.ArrayLike) -> Eye"),
-           "The ommatidia with these indices, or where this mask (N,) is true.")
+           nb::sig("def take(self, ommatidia: numpy.typing.ArrayLike | slice) -> Eye"),
+           "The ommatidia with these indices, of this slice, or where this mask (N,) is true.")
       .def(
           "interommatidial_angle_rad",
           [](const Eye& self) {

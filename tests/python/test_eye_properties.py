@@ -127,8 +127,10 @@ def test_an_up_that_was_set_is_kept_across_new_axes() -> None:
         np.testing.assert_allclose(one.up, across, atol=1e-6)  # single precision
 
 
-def test_taking_by_index_and_mask() -> None:
+def test_taking_by_index_slice_and_mask() -> None:
     eye = full_eye()
+    same(eye.take(slice(None, None, 2)), eye.take([0, 2]))
+    same(eye.take(slice(-1, None)), eye.take([2]))
     same(eye.take([2, 0]), eye.take([0, 2]).take([1, 0]))
     same(eye.take([True, False, True]), eye.take([0, 2]))
     assert eye.select(1).columns["region"] == ["ç"]
