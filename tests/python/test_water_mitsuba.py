@@ -244,14 +244,21 @@ def test_a_pond_under_an_even_sky(view, polarised):
     compare_ponds(volume(1.34), *VIEWS[view], polarised)
 
 
-def compare_ponds(water, eye, place, polarised=False):
+def test_a_pond_that_absorbs():
+    """What goes to and fro between the bottom and the surface is dimmed on its way, too."""
+    use_variant(False, "rgb")
+    water = volume(1.34, (0.7, 0.9, 0.8), 1.0)
+    compare_ponds(water, *VIEWS["obliquely from above"], bands=THREE)
+
+
+def compare_ponds(water, eye, place, polarised=False, bands=BAND):
     lines = np.concatenate([[-200.0], np.linspace(-3, 3, 13), [200.0]])
     surface = square(400, (0, 0, 0), (0, 1, 0))
     bottom = tiles(lines, (0, -1, 0), (0, 1, 0), 1)
     scene = omma.Scene(
         meshes=[surface, *bottom], materials=[water.material, *map(matter, REFLECTANCES)]
     )
-    sky = uniform_sky(1.0, bands=BAND, unit="watts")
+    sky = uniform_sky(1.0, bands=bands, unit="watts")
     world = omma.World(scene, light=sky, lighting="path", polarized=polarised)
     shapes = [(surface, water.bsdf, None, water.medium)]
     shapes += [(part, diffuse(REFLECTANCES[part.material - 1]), None, None) for part in bottom]
