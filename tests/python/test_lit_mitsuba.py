@@ -20,8 +20,8 @@ FIELD_DEG = 50.0
 REPEATS = 12
 
 
-def use_variant(polarised):
-    wanted = "llvm_ad_mono_polarized" if polarised else "llvm_ad_mono"
+def use_variant(polarised, colours="mono"):
+    wanted = f"llvm_ad_{colours}" + ("_polarized" if polarised else "")
     if wanted not in mi.variants():
         pytest.skip(f"this Mitsuba has no {wanted}")
     try:
@@ -113,8 +113,10 @@ def in_a_ball_of(medium, radius_m=50.0):
     }
 
 
-def mesh_of(mesh, bsdf, radiance):
+def mesh_of(mesh, bsdf, radiance, **parts):
     properties = mi.Properties()
+    for name, part in parts.items():
+        properties[name] = part
     properties["bsdf"] = mi.load_dict(bsdf)
     if radiance is not None:
         value = {"type": "uniform", "value": radiance}
