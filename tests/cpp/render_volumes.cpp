@@ -223,6 +223,42 @@ TEST(Volumes, LightTheirBottom) {
   }
 }
 
+// Between bottom and surface light goes to and fro, and is absorbed on each way: of what a bottom
+// of reflectance r sends up the part m comes back,
+//
+//   L = r A / (1 - r m),  A = 2 ∫ T(θ) exp(-a d / cos θ') cos θ sin θ dθ,
+//   m = 2 ∫ R(θ') exp(-2 a d / cos θ') cos θ' sin θ' dθ',
+//
+// under a sky of radiance 1.
+TEST(Volumes, AbsorbWhatGoesToAndFro) {
+  const double depth = 1, reflectance = 0.5;
+  Scene scene;
+  add_level(scene, 0, 0, 50, volume(water, true));
+  add_level(scene, 0, -depth, 50, matter(reflectance));
+  const Result found = rendered(made_world(scene, 1, 0), make_eye({0, -1, 0}, 0.0),
+                                translation({0, 0.5, 0}), 1 << 16);
+  for (std::size_t b = 0; b < 3; ++b) {
+    constexpr int steps = 20000;
+    double comes_in = 0, comes_back = 0;
+    for (int k = 0; k < steps; ++k) {
+      const double theta = (k + 0.5) * pi / 2 / steps;
+      const double part = std::sin(2 * theta) * pi / 2 / steps;
+      const double inside = std::asin(std::sin(theta) / water);
+      comes_in += fresnel(theta, water).through() *
+                  std::exp(-absorption[b] * depth / std::cos(inside)) * part;
+      comes_back += (1 - fresnel(theta, 1 / water).through()) *
+                    std::exp(-2 * absorption[b] * depth / std::cos(theta)) * part;
+    }
+    const double bottom = reflectance * comes_in / (1 - reflectance * comes_back);
+    const double through = fresnel(0, water).through();
+    const double wanted =
+        1 - through + through / (water * water) * std::exp(-absorption[b] * depth) * bottom;
+    EXPECT_NEAR(found.response[b], wanted,
+                5 * static_cast<double>(found.standard_error[b]) + 2 * of_tables * wanted)
+        << b;
+  }
+}
+
 // Light comes through panes to the last surface of a path by its own chance too, as it does by that
 // of the lights.
 TEST(Volumes, LetLightThroughAfterTheLastScattering) {

@@ -185,8 +185,9 @@ OMMA_HD_CALLED Onward<L> scatter_paths(const Flight<L, Search>& flight, LaneMask
     (on & at_full_depth(scene, flight.state) & ~goes_straight<L>(sample)).for_each([&](int l) {
       if (sample.lobe[l] != refracted) sample.lobe[l] = no_lobe;
     });
-  if (has_air(flight.scene) && flight.passed != nullptr)
-    undo_air(flight, on & goes_straight<L>(sample));
+  const LaneMask<L> straight = on & goes_straight<L>(sample);
+  if (scene.has_volumes) count_bent_way(flight, surface, points, straight);
+  if (has_air(scene) && flight.passed != nullptr) undo_air(flight, straight);
   return continue_paths(flight, on, geometry, surface, points, sample);
 }
 
@@ -247,7 +248,7 @@ OMMA_HD_CALLED Onward<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, 
   if (reads.any()) eval_baked(flight, baked, geometry, surface, reads);
   ScatteringPacket<L> points;
   make_scattering(flight, surface, reads, points);
-  if (scene.has_volumes) pass_media(flight, surface, points, met);
+  if (scene.has_volumes) pass_media(flight, surface, met);
   if (has_air(scene)) pass_air(flight, surface, points, met);
   if (scene.shines) add_emission(flight, hits, surface, met);
 

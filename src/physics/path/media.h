@@ -10,7 +10,7 @@
 // indices' ratio (Born and Wolf 1999, 4.8.3): over n^2 is what comes out of a volume, n^2 times
 // what gets in. All other rays, as those to lights, go straight on, which no sample of a light
 // could do otherwise. Through a level surface they bring what bent ones would: the flux through it
-// is the same, and so is the way in the volume, of which they count
+// is the same, and so is the way in the volume, of which those that go through count
 //
 //   d cos(t) / cos(t'),   sin(t') = sin(t) / n.
 //
@@ -94,35 +94,44 @@ OMMA_HD typename L::F radiance_scale(const LitSurface<L>& surface, const RayMedi
   return volume != 0 && load<I>(media.material + l) == seen_by_eye ? F{} : scale;
 }
 
-// Rays to what was met, [lane]: how far that is, the cosine to its normal, and which of them come
-// from the eye and bend.
+// What the volume absorbs that a ray is in before it meets a surface, [band]; null: nothing.
 template <typename L>
-struct VolumeRays {
-  LaneMask<L> met, bend;
+OMMA_HD const float* absorption_before(const SceneView& scene, const RayMedia& media,
+                                       const LitSurface<L>& surface, int l) {
+  const std::int32_t material = surface.volume[l] < 0 ? surface.material[l] : media.material[l];
+  return material < 0 ? nullptr : scene.scatter[material].absorption_per_m;
+}
+
+// The way in a volume of light that comes in where a ray of some lane goes straight out, over the
+// ray's own: of rays that begin within and meet the boundary with this cosine.
+template <typename L>
+OMMA_HD float bent_way(const RayMedia& media, const LitSurface<L>& surface, int l, float cosine) {
+  if (surface.volume[l] >= 0 || media.came[l] != static_cast<std::int32_t>(Came::from_within))
+    return 1;
+  const float ior = surface.ior[l];
+  return cosine / sqrt_lanes(1.0f - (1.0f - cosine * cosine) / (ior * ior));
+}
+
+// Rays to what was met, [lane]: how far that is, and what part of the way in a volume counts.
+template <typename L>
+struct VolumeWays {
+  LaneMask<L> met;
   const float (&t_far_m)[L::count];
-  const float (&cosine)[L::count];
+  const float (&part)[L::count];
 };
 
 // Multiplies `throughput` [band][lane] of some lanes by what volumes leave of light on the way to
 // what was met.
 template <typename L>
 OMMA_HD_CALLED void absorb(const SceneView& scene, const RayMedia& media,
-                           const LitSurface<L>& surface, const VolumeRays<L>& rays,
+                           const LitSurface<L>& surface, const VolumeWays<L>& ways,
                            float* throughput) {
-  constexpr int n = L::count;
-  rays.met.for_each([&](int l) {
-    const bool leaves = surface.volume[l] < 0;
-    const std::int32_t material = leaves ? surface.material[l] : media.material[l];
-    if (material < 0 || scene.scatter[material].absorption_per_m == nullptr) return;
-    float way_m = rays.t_far_m[l] - media.from_m[l];
-    if (leaves && media.came[l] == static_cast<std::int32_t>(Came::from_within) &&
-        !rays.bend.has(l)) {
-      const float cosine = rays.cosine[l], ior = scene.scatter[material].ior;
-      way_m *= cosine / sqrt_lanes(1.0f - (1.0f - cosine * cosine) / (ior * ior));
-    }
+  ways.met.for_each([&](int l) {
+    const float* const absorption_per_m = absorption_before(scene, media, surface, l);
+    if (absorption_per_m == nullptr) return;
+    const float way_m = (ways.t_far_m[l] - media.from_m[l]) * ways.part[l];
     for (int b = 0; b < scene.bands; ++b)
-      throughput[b * n + l] *=
-          left_by_depth(scene.scatter[material].absorption_per_m[b] * way_m);
+      throughput[b * L::count + l] *= left_by_depth(absorption_per_m[b] * way_m);
   });
 }
 

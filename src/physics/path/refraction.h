@@ -132,11 +132,29 @@ OMMA_HD_CALLED void refract_rays(const Flight<L, Search>& flight, const Scatteri
 // What volumes absorb of the light from what some lanes met.
 template <typename L, typename Search>
 OMMA_HD_CALLED void pass_media(const Flight<L, Search>& flight, const LitSurface<L>& surface,
-                               const ScatteringPacket<L>& points, LaneMask<L> met) {
+                               LaneMask<L> met) {
+  float part[L::count];
+  for (float& all : part) all = 1;
+  absorb(flight.scene, flight.memory.media, surface, {met, flight.packet.rays.t_far_m, part},
+         flight.memory.throughput);
+}
+
+// Of paths that go straight out of a volume what it absorbs on the bent way, in its place.
+template <typename L, typename Search>
+OMMA_HD_CALLED void count_bent_way(const Flight<L, Search>& flight, const LitSurface<L>& surface,
+                                   const ScatteringPacket<L>& points, LaneMask<L> straight) {
+  const RayMedia& media = flight.memory.media;
   alignas(L::count * 4) float cosine[L::count];
   for (int l = 0; l < L::count; l += L::width) store(cosine + l, points.point[l / L::width].o.z);
-  absorb(flight.scene, flight.memory.media, surface,
-         {met, points.bends, flight.packet.rays.t_far_m, cosine}, flight.memory.throughput);
+  straight.for_each([&](int l) {
+    const float* const absorption_per_m = absorption_before(flight.scene, media, surface, l);
+    if (absorption_per_m == nullptr) return;
+    const float way_m = flight.packet.rays.t_far_m[l] - media.from_m[l];
+    const float bent_m = way_m * bent_way(media, surface, l, cosine[l]);
+    for (int b = 0; b < flight.scene.bands; ++b)
+      flight.memory.throughput[b * L::count + l] *=
+          left_by_depth(absorption_per_m[b] * bent_m) / left_by_depth(absorption_per_m[b] * way_m);
+  });
 }
 
 // What rays are in that go on: straight, bent, or scattered. Those that a base scatters begin

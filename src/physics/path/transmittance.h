@@ -28,13 +28,12 @@ template <typename L>
 OMMA_HD_CALLED void dim_by_volumes(const SceneView& scene, const RayPacket<L::count>& rays,
                                    const LitSurface<L>& surface, LaneMask<L> dimmed,
                                    const SpectraMemory& memory) {
-  using F = typename L::F;
-  alignas(L::count * 4) float cosine[L::count];
-  for (int l = 0; l < L::count; l += L::width) {
-    const auto normal = load_vector<F>(surface.normal, l), d = load_vector<F>(rays.direction, l);
-    store(cosine + l, dimmed.at(l) ? size_of_cosine(dot(normal, d)) : broadcast<F>(1.0f));
-  }
-  absorb(scene, memory.media, surface, {dimmed, {}, rays.t_far_m, cosine}, memory.throughput);
+  float part[L::count];
+  dimmed.for_each([&](int l) {
+    const float cosine = size_of_cosine(dot(vec_at(surface.normal, l), vec_at(rays.direction, l)));
+    part[l] = bent_way(memory.media, surface, l, cosine);
+  });
+  absorb(scene, memory.media, surface, {dimmed, rays.t_far_m, part}, memory.throughput);
 }
 
 // Multiplies what has come through so far, memory.throughput, by what surfaces that shadow rays of
