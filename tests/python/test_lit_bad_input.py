@@ -202,6 +202,8 @@ def test_ultraviolet_that_nobody_has_given():
     omma.World(scene_of(green), light=uniform_sky(1.0, bands=Bands.equal(4, 400, 700)))
     with pytest.raises(omma.Error, match=r"ultraviolet: .*without a material"):
         omma.World(omma.Scene(meshes=[Mesh(np.eye(3), [[0, 1, 2]])]), light=day)
+    with pytest.raises(omma.Error, match=r"ultraviolet: .*as the light: one without a name\."):
+        omma.World(scene_of(Material(base_color=(0.1, 0.4, 0.1, 1))), light=day)
     # What is said counts below 400 nm, and only there.
     reflected = {}
     for rule in ("dark", "as_blue", 0.02, {"meadow": 0.02}, {"": "dark"}):

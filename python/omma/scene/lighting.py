@@ -74,11 +74,11 @@ class Lighting:
         for material in self._unknown(scene):
             rule = self._rule(names[material])
             if rule is None:
-                left.append(names[material])
+                left.append(material)
             else:
                 weights[material] = _weights_of(rule)
         if left:
-            raise Error(_asking(left, self.light))
+            raise Error(_asking(scene, left, self.light))
         return weights
 
     def names_without_ultraviolet(self, scene: Scene) -> tuple[str, ...]:
@@ -213,16 +213,16 @@ def _weights_of(rule: Rule) -> tuple[float, float, float, float]:
     return 0.0, 0.0, 0.0, 0.0 if rule == "dark" else float(rule)
 
 
-def _asking(names: list[str], light: Light) -> str:
+def _asking(scene: Scene, left: list[int], light: Light) -> str:
     """The message that ultraviolet reflectances are missing: of which materials, how much of the
     light is concerned, and what can be said."""
+    named = [f'"{one.name}"' if one.name else "one without a name" for one in scene.materials]
+    names = [[*named, "those without a material"][material] for material in left]
     bands = light.bands
     below = (bands.weight * (bands.wavelength_nm < 400)).sum(axis=1)
     fallen = sum(light.irradiance()) * bands.widths_nm
     share = float((fallen * below).sum() / max(fallen.sum(), 1e-300))
-    told = ", ".join(
-        f'"{name}"' if name else "those without a material" for name in names[:_NAMES_TOLD]
-    )
+    told = ", ".join(names[:_NAMES_TOLD])
     more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
     return (
         "ultraviolet: expected what surfaces reflect below 400 nm, such as "
