@@ -63,8 +63,7 @@ def sphere(
     segments: int = 128,
     name: str = "sphere",
 ) -> Scene:
-    """A sphere, seen from outside. Its normals are a sphere's, by which light is scattered, mirrored
-    and refracted.
+    """A sphere, seen from outside. Light is scattered, mirrored and refracted by a sphere's normals.
 
     Args:
         radius_m: of its vertices; its faces lie within by at most 1 - cos(pi / segments) of it.
