@@ -63,7 +63,7 @@ def sphere(
     segments: int = 128,
     name: str = "sphere",
 ) -> Scene:
-    """A sphere, seen from outside. Light is scattered, mirrored and refracted by a sphere's normals.
+    """A sphere, seen from outside. Its normals are a sphere's, for light that it scatters or bends.
 
     Args:
         radius_m: of its vertices; its faces lie within by at most 1 - cos(pi / segments) of it.
