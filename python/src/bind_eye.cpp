@@ -92,6 +92,8 @@ Eye take_rows(const Eye& eye, nb::handle ommatidia) {
   nb::object indices = PySlice_Check(ommatidia.ptr())
                            ? nb::object(numpy.attr("arange")(eye.size())[ommatidia])
                            : numpy.attr("asarray")(ommatidia);
+  if (nb::cast<std::size_t>(indices.attr("size")) == 0)
+    throw Error("ommatidia: expected at least one, found none");
   if (nb::cast<std::string>(indices.attr("dtype").attr("kind")) == "b") {
     const nb::object shape = indices.attr("shape");
     if (!shape.equal(nb::make_tuple(eye.size())))

@@ -115,10 +115,11 @@ void read_header(Reader& reader) {
   }
 }
 
-void need(const Reader& reader, bool there, const std::string& what) {
+void need(const Reader& reader, bool there, const std::string& what,
+          const std::string& found = "none") {
   if (there) return;
   throw Error(reader.name + ", line " + std::to_string(reader.csv.records.front().line) +
-              ": expected " + what + ", found none");
+              ": expected " + what + ", found " + found);
 }
 
 void check_columns(const Reader& reader) {
@@ -135,8 +136,9 @@ void check_columns(const Reader& reader) {
     throw Error(reader.name +
                 ": expected an axis or an azimuth and elevation, found columns of "
                 "both");
-  need(reader, all("position") || !any("position"), "all of position_x_mm, _y_mm and _z_mm");
-  need(reader, all("up") || !any("up"), "all of up_x, up_y and up_z");
+  need(reader, all("position") || !any("position"), "all of position_x_mm, _y_mm and _z_mm or none",
+       "some");
+  need(reader, all("up") || !any("up"), "all of up_x, up_y and up_z or none", "some");
   need(reader, reader.has("acceptance_angle") || reader.has("kernel"),
        "a column acceptance_angle_deg (or kernel)");
 }

@@ -43,6 +43,12 @@ std::string quoted(std::string_view text) {
   return shown + (text.size() > most ? "...\"" : "\"");
 }
 
+std::string ending_of(const std::string& path) {
+  std::string ending = system::text_of(system::path_of(path).extension());
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return ending;
+}
+
 class LineReader {
  public:
   LineReader(const std::string& path, std::size_t line_number, std::string_view line)
@@ -72,7 +78,11 @@ class LineReader {
 
  private:
   [[noreturn]] void fail_at_line(const std::string& what) const {
-    throw Error(path_ + ", line " + std::to_string(line_number_) + ", " + what);
+    throw Error(
+        path_ + ", line " + std::to_string(line_number_) + ", " + what +
+        (ending_of(path_) == ".eye"
+             ? ""
+             : "; by its ending it was read as .eye, other formats end in .csv, .gltf or .glb"));
   }
 
   void skip_blanks() {
@@ -187,12 +197,6 @@ Eye parse_eye(const std::string& text, const std::string& path, double metres_pe
 namespace {
 
 enum class EyeFormat { eye, csv, gltf, glb };
-
-std::string ending_of(const std::string& path) {
-  std::string ending = system::text_of(system::path_of(path).extension());
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return ending;
-}
 
 // Of a file that is read: eyes of CompoundRay are called anything.
 EyeFormat format_of(const std::string& path) {

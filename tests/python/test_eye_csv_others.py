@@ -219,3 +219,37 @@ def test_radians_in_a_column_of_degrees_are_told(tmp_path, width, is_told):
         warnings.simplefilter("always")
         omma.load_eye(path)
     assert [("0.03 rad would be 1.7°" in str(one.message)) for one in told] == [True] * is_told
+
+
+@pytest.mark.parametrize("stated_deg", [1.18, 2.6])
+def test_an_acceptance_angle_beside_another_angular_sensitivity_is_told(tmp_path, stated_deg):
+    path = tmp_path / "eye.csv"
+    path.write_text(
+        "azimuth_deg,elevation_deg,acceptance_angle_deg,kernel,kernel_wavelength_nm,"
+        f"facet_diameter_um\n0,0,{stated_deg},airy,500,25\n5,0,2,,,25\n"
+    )
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        eye = omma.load_eye(path)
+    # 1.029 lambda / D
+    assert np.degrees(eye.acceptance(0).width_rad()) == pytest.approx(1.179, abs=1e-3)
+    found = [str(one.message) for one in told]
+    assert found == [] if stated_deg == 1.18 else "is 2.6°" in found[0] and "1.18° wide" in found[0]
+
+
+def test_axes_in_radians_under_names_of_degrees_are_told(tmp_path):
+    eye = omma.eye.generate_eye(300)
+    azimuth_rad = np.arctan2(eye.axis[:, 0], -eye.axis[:, 2])
+    elevation_rad = np.arcsin(eye.axis[:, 1])
+    head = "azimuth_deg,elevation_deg,acceptance_angle_deg"
+    path = tmp_path / "eye.csv"
+    for scale, is_told in ((1, True), (180 / np.pi, False)):
+        rows = [
+            f"{azimuth:.5f},{elevation:.5f},5"
+            for azimuth, elevation in zip(scale * azimuth_rad, scale * elevation_rad, strict=True)
+        ]
+        path.write_text("\n".join([head, *rows]))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            omma.load_eye(path)
+        assert ["may be radians" in str(one.message) for one in told] == [True] * is_told

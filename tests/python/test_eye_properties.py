@@ -138,6 +138,9 @@ def test_taking_by_index_slice_and_mask() -> None:
         eye.take([3])
     with pytest.raises(omma.Error, match=r"a mask: expected shape \(3,\), found \(2,\)"):
         eye.take([True, False])
+    for nothing in ([], slice(3, None)):
+        with pytest.raises(omma.Error, match="ommatidia: expected at least one, found none"):
+            eye.take(nothing)
     with pytest.raises(omma.Error, match=r"ommatidia: .* beyond the range of int32"):
         eye.take([1 << 32])
 

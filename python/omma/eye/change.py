@@ -24,7 +24,7 @@ from omma.base.poses import poses_from_angles
 from omma.base.renamed import renamed_arguments
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
-from omma.eye.files import radians_as_degrees, without_width
+from omma.eye.files import slips_in
 
 # What counts as in the middle: of the mean x of an eye of size 1, and of the mean of unit axes. And
 # how far to the other side than it sits an eye looks that is hardly meant.
@@ -338,8 +338,7 @@ def convert_eye(path: PathLike, unit: str | float = "mm", *, degrees: bool = Fal
         )
     except Error as error:
         raise Error(f"{name}: {error}") from None
-    told = (*_core.unusual_of(eye), *without_width(eye), *radians_as_degrees(eye))
-    notes += [f"{sentence}." for sentence in told]
+    notes += [f"{sentence}." for sentence in slips_in(eye)]
     return ConvertedEye(eye, columns, tuple(notes))
 
 

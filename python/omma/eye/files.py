@@ -16,6 +16,9 @@ from omma.base.files import PathLike, metres_per_unit
 from omma.base.warn import warn_caller
 from omma.eye.csv_files import load_csv
 
+# Kinds of angular sensitivity whose width is compared with what an eye states.
+_MOST_KINDS = 8
+
 # Files of the Open Compound Eye Standard.
 OCES_SUFFIXES = (".gltf", ".glb")
 # Files that eyes are written to.
@@ -83,11 +86,40 @@ def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
 def warn_of_unusual(eye: Eye) -> None:
     """Tell the caller of the package which numbers of an eye no animal has: slips of units,
     mostly."""
-    for sentence in (*_core.unusual_of(eye), *without_width(eye), *radians_as_degrees(eye)):
+    for sentence in slips_in(eye):
         warn_caller(f"{eye.path or 'eye'}: {sentence}", UserWarning)
 
 
-def without_width(eye: Eye) -> list[str]:
+def slips_in(eye: Eye) -> list[str]:
+    """Sentences about numbers of an eye that cannot be meant, mostly."""
+    return [
+        *_core.unusual_of(eye),
+        *_without_width(eye),
+        *_other_width(eye),
+        *_radians_as_degrees(eye),
+        *_axes_in_radians(eye),
+    ]
+
+
+def _other_width(eye: Eye) -> list[str]:
+    """What there is to tell of acceptance angles that are not the width of the angular sensitivity
+    beside them: of a few kinds, as a waveguide's width takes a while."""
+    for kind in range(min(len(eye.acceptances), _MOST_KINDS)):
+        ommatidium = int(np.argmax(eye.acceptance_of == kind))
+        acceptance, stated = eye.acceptances[kind], float(eye.acceptance_angle_rad[ommatidium])
+        azimuths = np.linspace(0, np.pi, 9) if acceptance.minor_width_rad else [0.0]
+        widths = [acceptance.width_rad(azimuth) for azimuth in azimuths]
+        if stated <= 0 or min(widths) / 1.05 <= stated <= max(widths) * 1.05:
+            continue
+        return [
+            f"the acceptance angle of ommatidium {ommatidium} is {np.degrees(stated):.3g}°, its "
+            f"angular sensitivity ({acceptance.kernel}) is {np.degrees(max(widths)):.3g}° wide: "
+            "responses are by the second, what is measured of the eye by the first"
+        ]
+    return []
+
+
+def _without_width(eye: Eye) -> list[str]:
     """What there is to tell of acceptance angles of 0 beside others, which are gaps of a table,
     mostly. Where all are 0, rays are meant."""
     none = (eye.acceptance_angle_rad == 0) & (eye.acceptance_of < 0)
@@ -99,7 +131,7 @@ def without_width(eye: Eye) -> list[str]:
     ]
 
 
-def radians_as_degrees(eye: Eye) -> list[str]:
+def _radians_as_degrees(eye: Eye) -> list[str]:
     """What there is to tell of acceptance angles below those of any animal (0.24 degrees, of
     dragonflies: Land 1997, Annu Rev Entomol 42:147) that as radians would fit between ommatidia."""
     stated = eye.acceptance_angle_rad[(eye.acceptance_angle_rad > 0) & (eye.acceptance_of < 0)]
@@ -114,6 +146,27 @@ def radians_as_degrees(eye: Eye) -> list[str]:
     return [
         f"acceptance angles are about {width_deg:.2g}°, less than any animal's, and ommatidia "
         f"{apart_deg:.2g}° apart; {width_deg:.2g} rad would be {meant_deg:.2g}°"
+    ]
+
+
+def _axes_in_radians(eye: Eye) -> list[str]:
+    """What there is to tell of many axes within 3.2 degrees of ahead that lie so near to each other
+    as no animal's do beside its acceptance angles: azimuths and elevations were radians."""
+    if len(eye) < 20:
+        return []
+    azimuth_deg = np.degrees(np.arctan2(eye.axis[:, 0], -eye.axis[:, 2]))
+    elevation_deg = np.degrees(np.arcsin(np.clip(eye.axis[:, 1], -1, 1)))
+    farthest_deg = float(max(np.abs(azimuth_deg).max(), np.abs(elevation_deg).max()))
+    if np.abs(azimuth_deg).max() > 3.2 or np.abs(elevation_deg).max() > 1.6:
+        return []
+    apart_deg = float(np.degrees(np.median(eye.interommatidial_angle_rad())))
+    width_deg = float(np.degrees(np.median(eye.acceptance_angle_rad)))
+    if not (apart_deg > 0 and width_deg > 8 * apart_deg and farthest_deg > 0.5):
+        return []
+    return [
+        f"all axes lie within {farthest_deg:.2g}° of ahead, {apart_deg:.2g}° apart, and acceptance "
+        f"angles are {width_deg / apart_deg:.2g} times as wide: azimuths and elevations may be "
+        "radians under names of degrees"
     ]
 
 
