@@ -43,6 +43,23 @@ def test_a_changed_file_is_read_or_refused(name, tmp_path):
     assert [(repr(error), one[:2000]) for one, error in found if error is not None] == []
 
 
+def test_a_bit_that_changed_in_responses_of_zarr_is_told(tmp_path):
+    """It was read as other numbers."""
+    pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    kind = changed_files.ALL["zarr chunk"]
+    made = kind.make(tmp_path)
+    assert kind.changed is not None
+    chunk = made.parent / kind.changed
+    data = chunk.read_bytes()
+    for place in range(0, len(data), max(1, len(data) // 12)):
+        changed = bytearray(data)
+        changed[place] ^= 4
+        chunk.write_bytes(changed)
+        with pytest.raises(omma.Error, match=r"seen.zarr: cannot be read"):
+            load_responses(made)
+
+
 def test_errors_name_file_and_place(files, tmp_path):
     pytest.importorskip("xarray")
     made = changed_files.ALL["npy"].make(tmp_path)
