@@ -179,8 +179,30 @@ def test_two_runs_at_once(made):
     from omma.datasets.records import writing
 
     job, store = made
-    with writing(str(store)), pytest.raises(omma.Error, match="written by another run"):
+    told = pytest.raises(omma.Error, match="written by another run")
+    with lacking_a_shard(store), writing(str(store)), told:
         datasets.run(job, store)
+
+
+def test_where_nothing_is_missing_nothing_is_written(made, monkeypatch):
+    """As in a folder that is read-only: whose lock cannot be opened."""
+    job, store = made
+    monkeypatch.setattr(running, "writing", lambda path: pytest.fail("is written"))
+    report = datasets.run(job, store)
+    assert (report.views, report.shards, report.made, report.views_made) == (10, 3, 0, 0)
+    other = write_job(job.parent / "other", count=11)
+    with pytest.raises(omma.Error, match="begun from something else"):
+        datasets.run(other, store)
+
+
+@contextlib.contextmanager
+def lacking_a_shard(store):
+    """A store that is not whole meanwhile."""
+    record = store / "omma" / "done" / "00000001.json"
+    said = record.read_bytes()
+    record.unlink()
+    yield
+    record.write_bytes(said)
 
 
 @pytest.mark.parametrize(
@@ -199,14 +221,15 @@ def test_of_two_runs_that_begin_the_first_one_wins(tmp_path, monkeypatch, count,
         def create_late(*arguments):
             monkeypatch.setattr(running, "create_store", create)
             assert datasets.run(other, store).made == 3
+            (store / "omma" / "done" / "00000001.json").unlink()
             still_going_on.enter_context(writing(str(store)))
             create(*arguments)
 
         monkeypatch.setattr(running, "create_store", create_late)
         with pytest.raises(omma.Error, match=words):
             datasets.run(job, store)
+    assert datasets.run(other, store).made == 1
     assert datasets.verify(store).is_whole
-    assert datasets.run(other, store).made == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["job", "made.zarr", "other"]
 
 
@@ -218,7 +241,8 @@ def test_where_nothing_can_be_written_is_told_before_inputs_are_read(made, tmp_p
     (tmp_path / "file").write_text("")
     with pytest.raises(omma.Error, match=r"file is not a directory"):
         datasets.run(job, tmp_path / "file" / "further" / "job.zarr")
-    with writing(str(store)), pytest.raises(omma.Error, match="written by another run"):
+    told = pytest.raises(omma.Error, match="written by another run")
+    with lacking_a_shard(store), writing(str(store)), told:
         datasets.run(job, store)
     access = os.access
     monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path and access(path, mode))

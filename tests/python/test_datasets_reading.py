@@ -2,6 +2,7 @@
 
 import io
 import json
+import shutil
 import tarfile
 import warnings
 
@@ -79,6 +80,10 @@ def test_batches_have_each_view_once(made):
     assert sorted(orders[0]) == list(range(10))
     np.testing.assert_array_equal(orders[0], orders[1])
     assert (orders[0] != orders[2]).any()
+    of_torch = next(datasets.batches(views, 10, seed=(1 << 64) - 1))  # torch.initial_seed()
+    assert sorted(of_torch["pose"]) == list(range(10))
+    with pytest.raises(omma.Error, match="seed: expected 0 to 18446744073709551615"):
+        next(datasets.batches(views, seed=1 << 64))
     straight = next(datasets.batches(views, 4, shuffle=False))
     assert straight["pose"].tolist() == [0, 1, 2, 3]
 
@@ -92,6 +97,73 @@ def test_views_of_what_is_there(tmp_path):
     assert views.numbers.tolist() == [0, 1, 2, 3, 8, 9]
     assert views[4]["pose"] == 8
     assert "6 of 10 views are there, 2 of 3 shards" in datasets.describe(tmp_path / "job.zarr")[0]
+
+
+def test_a_bit_that_changed_is_told_with_its_file(tmp_path):
+    """It was read as other numbers: of views, and of what is known of them."""
+    job = write_job(tmp_path)
+    store = tmp_path / "job.zarr"
+    datasets.run(job)
+    names = ["response", "position", "pose"]
+    views = datasets.open_views(store, names)
+    for name in ("response/c.1.0.0", "position/c.1.0", "pose/c/0"):
+        data = (store / name).read_bytes()
+        for k, place in enumerate(range(0, len(data), max(1, len(data) // 12))):
+            changed = bytearray(data)
+            changed[place] ^= 1 << (k % 8)
+            (store / name).write_bytes(changed)
+            with pytest.raises(omma.Error) as told:
+                views[:]
+            if name != "pose/c/0":  # which all shards share
+                assert f"{name} has other bytes than were written" in str(told.value)
+                assert "shard 1 is damaged" in str(told.value)
+                assert f"omma dataset verify --forget {store}" in str(told.value)
+        (store / name).write_bytes(data)
+    assert len(views[:]["pose"]) == 10
+
+
+def test_files_that_are_missing_or_cut_off_are_views_that_are_not_there(tmp_path):
+    """They were read as views without light."""
+    job = write_job(tmp_path)
+    store = tmp_path / "job.zarr"
+    datasets.run(job)
+    (store / "response" / "c.1.0.0").unlink()
+    with pytest.warns(UserWarning, match="6 of 10 views are there"):
+        assert datasets.open_views(store).numbers.tolist() == [0, 1, 2, 3, 8, 9]
+    (store / "response" / "c.0.0.0").write_bytes(b"")
+    with pytest.warns(UserWarning, match="2 of 10 views are there"):
+        assert datasets.open_views(store).numbers.tolist() == [8, 9]
+
+
+def test_stores_of_older_versions_have_no_checksums(tmp_path):
+    """They are read and gone on with as they were begun."""
+    job = write_job(tmp_path)
+    datasets.run(job)
+    expected = datasets.open_views(tmp_path / "job.zarr")[:]["response"]
+    old = tmp_path / "old.zarr"
+    shutil.copytree(tmp_path / "job.zarr", old)
+    for path in [old / "zarr.json", *old.glob("*/zarr.json")]:
+        path.write_text(json.dumps(without_checksums(json.loads(path.read_text()))))
+    shutil.rmtree(old / "omma" / "done")
+    (old / "omma" / "done").mkdir()
+    assert datasets.run(job, old).made == 3
+    np.testing.assert_array_equal(datasets.open_views(old)[:]["response"], expected)
+    assert (old / "response" / "c.0.0.0").stat().st_size == (
+        tmp_path / "job.zarr" / "response" / "c.0.0.0"
+    ).stat().st_size - 2 * 4  # of two chunks
+
+
+def without_checksums(said):
+    """Metadata of a store or an array as older versions wrote them."""
+    if isinstance(said, list):
+        return [without_checksums(one) for one in said if one != {"name": "crc32c"}]
+    if isinstance(said, dict):
+        return {
+            name: one if name == "index_codecs" else without_checksums(one)
+            for name, one in said.items()
+            if name != "checksum"
+        }
+    return said
 
 
 def test_a_store_that_is_not_whole_says_what_is_missing(made, tmp_path):

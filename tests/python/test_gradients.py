@@ -291,6 +291,16 @@ def test_what_has_no_derivatives_is_refused():
     renderer = omma.Renderer(scene, eye)
     with pytest.raises(omma.Error, match="position"):
         renderer.jacobian(AHEAD, by="position_m")
+    for first_pose in (-1, 1 << 60):
+        with pytest.raises(omma.Error, match=f"0 to {(1 << 60) - 1}, found {first_pose}"):
+            renderer.jacobian(AHEAD, first_pose=first_pose)
+    assert renderer.jacobian(AHEAD, first_pose=(1 << 60) - 1, by="axis").responses.shape == (
+        1,
+        10,
+        3,
+    )
+    with pytest.raises(TypeError, match=r"Renderer.jvp: .*'first'; did you mean 'first_pose'"):
+        renderer.jvp(AHEAD, {"axis": np.zeros((10, 3))}, first=1)
     with pytest.raises(TypeError, match=r"by: expected some of acceptance_angle_rad, .* None"):
         renderer.jacobian(AHEAD, by=None)
     found = renderer.jacobian(AHEAD, by="axis")

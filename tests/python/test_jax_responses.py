@@ -182,7 +182,7 @@ def test_what_has_no_derivatives_is_refused(renderer):
         (lambda: responses(renderer, POSES, position_m=width), "position_m: responses have no"),
         (lambda: responses(renderer, POSES, samples=16), "numbers of rays"),
         (lambda: responses(renderer, POSES, axis=jnp.zeros((3, 3))), r"axis: .* \(30, 3\), found"),
-        (lambda: responses(renderer, POSES, axis="x"), "axis: expected numbers"),
+        (lambda: responses(renderer, POSES, axis="x"), "axis: expected an array"),
         (lambda: responses(renderer, POSES, first_pose=-1), "first_pose"),
         (lambda: responses(rough, POSES), "sampling: expected omma.Fixed"),
         (

@@ -88,8 +88,8 @@ def test_wrong_out(renderer, flight):
         (np.zeros(right), TypeError, "float64"),
         ([1, 2], TypeError, "list"),
         (np.zeros((9, 60), np.float32), omma.Error, r"\(9, 60, 3\), found \(9, 60\)"),
-        (np.zeros((3, 60, 9), np.float32).T, omma.Error, "C-contiguous"),
-        (readonly, omma.Error, "C-contiguous array that can be written to"),
+        (np.zeros((3, 60, 9), np.float32).T, omma.Error, "C-contiguous array, found strides"),
+        (readonly, omma.Error, "can be written to, found one that is read-only"),
     ]:
         with pytest.raises(kind, match=word):
             renderer.render(flight, out=out)

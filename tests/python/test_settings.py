@@ -71,6 +71,17 @@ def test_signatures_have_every_option(function):
     assert inspect.Parameter.VAR_KEYWORD not in {one.kind for one in parameters.values()}
 
 
+def test_changed_options_are_those_that_there_are(scene, eye):
+    """What is not given stays as it was, which no default says."""
+    parameters = inspect.signature(omma.Renderer.with_eye).parameters
+    assert all(parameters[option.name].default is None for option in options_of(Settings))
+    assert inspect.Parameter.VAR_KEYWORD not in {one.kind for one in parameters.values()}
+    renderer = omma.Renderer(scene, eye, omma.Fixed(1), seed=5, footprints=False)
+    assert renderer.with_eye(eye, seed=6).settings == replace(renderer.settings, seed=6)
+    with pytest.raises(TypeError, match=r"Renderer.with_eye: .*'samples'; did you mean 'sampling'"):
+        renderer.with_eye(eye, samples=omma.Fixed(64))
+
+
 def test_help_tells_every_option(run_omma):
     _, said, _ = run_omma("render", "--help")
     for kind in (*get_args(Sampling), Settings):

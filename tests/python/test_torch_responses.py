@@ -71,22 +71,70 @@ def test_an_eye_finds_back_how_it_was_turned():
 
 
 def test_gradients_of_gradients_are_refused():
-    """They were silently zero."""
+    """They were silently zero, also where the gradient of the responses depends on nothing."""
     renderer = renderer_of(16)
     width = torch.full((30,), 0.05, dtype=torch.float64, requires_grad=True)
     weights = torch.ones((30, 3), dtype=torch.float64, requires_grad=True)
-    seen = omma.rendering.torch_responses(renderer, POSES[:1], acceptance_angle_rad=width)
-    (gradient,) = torch.autograd.grad((weights * seen[0]).sum(), width, create_graph=True)
-    with pytest.raises(RuntimeError, match="differentiate twice"):
+
+    def seen(width):
+        return omma.rendering.torch_responses(renderer, POSES[:1], acceptance_angle_rad=width)
+
+    def penalty(number):
+        (gradient,) = torch.autograd.grad(number, width, create_graph=True)
         (gradient**2).sum().backward()
+
+    functional, along = torch.autograd.functional, torch.ones_like(width)
+    for call in (
+        lambda: penalty((weights * seen(width)[0]).sum()),
+        lambda: penalty(seen(width).sum()),
+        lambda: functional.hessian(lambda width: (seen(width) ** 2).sum(), width),
+        lambda: functional.hessian(lambda width: seen(width).sum(), width),
+        lambda: functional.hvp(lambda width: seen(width).sum(), width, along),
+        lambda: functional.vhp(lambda width: seen(width).sum(), width, along),
+        lambda: functional.jvp(seen, width, along),
+    ):
+        with pytest.raises(omma.Error, match="second ones"):
+            call()
+    # First ones are there, with a graph that nobody uses as well.
+    (gradient,) = torch.autograd.grad(seen(width).sum(), width, create_graph=True)
+    (plain,) = torch.autograd.grad(seen(width).sum(), width)
+    assert torch.equal(gradient, plain)
+    assert torch.equal(functional.vjp(lambda width: seen(width).sum(), width)[1], plain)
+    assert torch.equal(functional.jacobian(lambda width: seen(width).sum(), width), plain)
+
+
+def test_a_function_that_is_compiled_has_the_same_bits():
+    """The graph breaks there; what compiles had taken poses for tensors."""
+    renderer = renderer_of(16)
+
+    def loss(width):
+        return (
+            omma.rendering.torch_responses(renderer, POSES, acceptance_angle_rad=2 * width) ** 2
+        ).sum()
+
+    found = []
+    for function in (loss, torch.compile(loss, backend="eager")):
+        width = torch.full((30,), 0.05, dtype=torch.float64, requires_grad=True)
+        value = function(width)
+        value.backward()
+        found.append((value.detach(), width.grad))
+    assert torch.equal(found[0][0], found[1][0])
+    assert torch.equal(found[0][1], found[1][1])
 
 
 def test_what_is_no_tensor_of_an_eye_is_refused():
     renderer = renderer_of(16)
     for wrong, message in (
-        ({"axis": torch.zeros((3, 3))}, "axis: expected a tensor of shape"),
+        ({"axis": torch.zeros((3, 3))}, "axis: expected a tensor of real numbers of shape"),
         ({"rotation_rad": np.zeros((2, 3))}, "rotation_rad: expected a tensor"),
         ({"acceptance_angle_rad": torch.full((30,), -1.0)}, "acceptance"),
+        ({"rotation_rad": torch.zeros((2, 3), dtype=torch.complex64)}, "found .* torch.complex64"),
+        ({"rotation_rad": torch.zeros((2, 3), dtype=torch.bool)}, "found .* torch.bool"),
+        (
+            {"rotation_rad": torch.zeros((2, 3), device="meta")},
+            "found one of torch.strided on the device meta",
+        ),
+        ({"rotation_rad": torch.zeros((2, 3)).to_sparse()}, "found one of torch.sparse_coo"),
     ):
         with pytest.raises(omma.Error, match=message):
             omma.rendering.torch_responses(renderer, POSES, **wrong)

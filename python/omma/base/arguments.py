@@ -162,6 +162,9 @@ def or_its_eye(value: object, expected: str, hint: str = "") -> str:
     return "its .eye is one" if has_one else hint
 
 
+_NOT_WRITTEN = "expected an array that can be written to, found one that is read-only"
+
+
 def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float32] | OnCard:
     """``out`` where the engine can write to it, as NumPy's or on a card; a new array where it is
     None."""
@@ -176,16 +179,22 @@ def output_array(out: Any, shape: tuple[int, ...], name: str) -> NDArray[np.floa
         if on_card.shape != shape:
             raise Error(f"{name}: expected shape {shape}, found {on_card.shape}")
         if not on_card.writable:
-            raise Error(f"{name}: expected an array that can be written to")
+            raise Error(f"{name}: {_NOT_WRITTEN}")
         return on_card
+    never = type(out).__module__.startswith("jax")
     out = as_numpy(out, name)
     if not isinstance(out, np.ndarray) or out.dtype != np.float32:
         found = f"{out.dtype} array" if isinstance(out, np.ndarray) else type(out).__name__
         raise TypeError(f"{name}: expected a float32 array of shape {shape}, found {found}")
     if out.shape != shape:
         raise Error(f"{name}: expected shape {shape}, found {out.shape}")
-    if not out.flags.c_contiguous or not out.flags.writeable or not out.flags.aligned:
-        raise Error(f"{name}: expected a C-contiguous array that can be written to")
+    if not out.flags.writeable:
+        why = ", as arrays of JAX always are" if never else ""
+        raise Error(f"{name}: {_NOT_WRITTEN}{why}")
+    if not out.flags.c_contiguous:
+        raise Error(f"{name}: expected a C-contiguous array, found strides of {out.strides} bytes")
+    if not out.flags.aligned:
+        raise Error(f"{name}: expected an array whose numbers lie at multiples of 4 bytes")
     return out
 
 

@@ -29,19 +29,19 @@ def as_numpy(value: Any, name: str) -> Any:
     if not hasattr(value, "__dlpack__"):
         return value
     found = f"{type(value).__module__.split('.')[0]}'s {type(value).__name__}"
-    device = int(value.__dlpack_device__()[0])
-    if device != _CPU:
-        raise Error(
-            f"{name}: expected an array in the memory of the CPU, found {found} on another device "
-            f"(DLPack's device type {device}); bring it to the CPU first"
-        )
     try:
-        array = np.from_dlpack(value)
+        device = int(value.__dlpack_device__()[0])
+        array = np.from_dlpack(value) if device == _CPU else None
     except (BufferError, RuntimeError, TypeError, ValueError) as error:
         reason = str(error).split("\n")[0]
         raise Error(
             f"{name}: expected an array that DLPack can hand over, found {found}: {reason}"
         ) from None
+    if array is None:
+        raise Error(
+            f"{name}: expected an array in the memory of the CPU, found {found} on another device "
+            f"(DLPack's device type {device}); bring it to the CPU first"
+        )
     return array if array.flags.writeable else _writable(value, array)
 
 

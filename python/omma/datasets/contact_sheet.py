@@ -13,7 +13,7 @@ from omma.base.directions import direction
 from omma.base.figures import INK, MM, figure_names, figure_style, load_matplotlib, save_figure
 from omma.base.files import PathLike, reading
 from omma.datasets.job_file import lights_from
-from omma.datasets.reading import Views, open_views
+from omma.datasets.reading import MOST_SEED, Views, open_views
 from omma.datasets.records import open_store, read_manifest
 from omma.datasets.worlds import make_light
 from omma.light import Light, uniform_sky
@@ -65,7 +65,7 @@ def contact_sheet(
         UserWarning: the data set is not whole, as of `open_views`.
     """
     names = figure_names(paths)
-    count, seed = whole(count, "count", 1, _MOST), whole(seed, "seed", 0, 1 << 40)
+    count, seed = whole(count, "count", 1, _MOST), whole(seed, "seed", 0, MOST_SEED)
     make_figure = load_matplotlib()
     views = open_views(store, ("response", *_NAMED), eye=eye)
     if len(views) == 0:

@@ -10,7 +10,7 @@ from typing import Any
 from omma.base.arguments import checked
 from omma.base.files import PathLike, reading
 from omma.datasets.layout import VIEW
-from omma.datasets.records import open_store, read_manifest, read_record, shards_done
+from omma.datasets.records import open_store, read_manifest, read_record, shard_count, shards_done
 
 
 @checked
@@ -23,7 +23,7 @@ def describe(store: PathLike) -> list[str]:
     path = os.fsdecode(store)
     manifest = read_manifest(path)
     done = shards_done(path)
-    shards = -(-manifest["views"] // manifest["views_per_shard"])
+    shards = shard_count(manifest)
     records = [read_record(path, shard) for shard in done]
     views = sum(one["views"][1] - one["views"][0] for one in records)
     seconds = sum(one["seconds"] for one in records)

@@ -20,7 +20,7 @@ from omma._core import Eye
 from omma.datasets.job_file import Job
 from omma.datasets.plan import Plan
 from omma.datasets.samplers import times_of, walks_of
-from omma.datasets.shard_bytes import COMPRESSION, chunk_bytes, shard_bytes
+from omma.datasets.shard_bytes import CHECKSUM, COMPRESSION, chunk_bytes, shard_bytes
 from omma.datasets.worlds import make_light
 from omma.picture.projections import projection_ids
 from omma.rendering.labelled_files import load_package, write_coordinate
@@ -62,6 +62,7 @@ class Layout:
     views: int = 1
     views_per_chunk: int = 1
     views_per_shard: int = 1
+    is_summed: bool = True  # whether chunks have checksums
 
     def file(self, variable: str, shard: int) -> str:
         """Where a shard of a variable is, in the store."""
@@ -74,8 +75,10 @@ class Layout:
         values = np.asarray(values, one.dtype)
         fill = _fill_value(one.dtype)
         if one.is_sharded:
-            return shard_bytes(values, self.views_per_chunk, self.views_per_shard, fill)
-        return chunk_bytes(values, self.views_per_shard, fill)
+            return shard_bytes(
+                values, self.views_per_chunk, self.views_per_shard, fill, is_summed=self.is_summed
+            )
+        return chunk_bytes(values, self.views_per_shard, fill, is_summed=self.is_summed)
 
     def create(self, root: Any, coordinates: Mapping[str, Any]) -> None:
         """Make the group in an open one; ``coordinates`` are those of views that are known."""
@@ -114,7 +117,10 @@ class Layout:
             "chunks": (inner, *one.shape),
             "shards": (self.views_per_shard, *one.shape) if one.is_sharded else None,
             "dimension_names": (VIEW, *one.dimensions),
-            "compressors": codecs.BloscCodec(**COMPRESSION, typesize=np.dtype(one.dtype).itemsize),
+            "compressors": [
+                codecs.BloscCodec(**COMPRESSION, typesize=np.dtype(one.dtype).itemsize),
+                codecs.Crc32cCodec(),
+            ],
             "fill_value": _fill_value(one.dtype),
             "chunk_key_encoding": {"name": "default", "separator": "."},
         }
@@ -149,6 +155,13 @@ def planned(layouts: Mapping[str, Layout], plan: Plan) -> dict[str, Layout]:
         )
         for eye, layout in layouts.items()
     }
+
+
+def as_begun(layouts: Mapping[str, Layout], manifest: Mapping[str, Any]) -> dict[str, Layout]:
+    """The groups as those of the store with this manifest: those of older versions of Omma have no
+    checksums."""
+    is_summed = manifest.get("checksum") == CHECKSUM
+    return {eye: replace(layout, is_summed=is_summed) for eye, layout in layouts.items()}
 
 
 def view_bytes(layouts: Mapping[str, Layout]) -> tuple[int, int]:

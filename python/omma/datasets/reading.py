@@ -20,11 +20,19 @@ from omma.base.rows import is_one, row_of, rows_of
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.datasets.layout import VIEW
-from omma.datasets.records import open_store, read_manifest, read_record, shards_done
+from omma.datasets.records import (
+    open_store,
+    read_manifest,
+    read_record,
+    reading_shards,
+    shards_done,
+    whole_shards,
+)
 
 Batch = dict[str, NDArray[Any]]
 
 _MOST = 1 << 40
+MOST_SEED = (1 << 64) - 1  # as of `torch.initial_seed`
 _NAMED = 8
 _READERS = 2  # threads; Zarr reads the chunks of one batch with more
 
@@ -57,7 +65,8 @@ class Views:
 
         Raises:
             IndexError: there is no such view.
-            omma.Error: a mask of another length, indices that are no whole numbers.
+            omma.Error: a mask of another length, indices that are no whole numbers, a file that
+                is not as it was written.
             TypeError: no index at all, as a variable's name or True.
         """
         found: Any
@@ -67,7 +76,8 @@ class Views:
             found = self.numbers[row_of(index, "index", len(self))]
         else:
             found = self.numbers[rows_of(index, "index", len(self))]
-        with reading(self.store, "a Zarr store"):
+        shards = np.unique(found // self._views_per_shard).tolist()
+        with reading_shards(self.store, shards):
             return self._read(found)
 
     def _read(self, found: NDArray[np.int64]) -> Batch:
@@ -82,6 +92,10 @@ class Views:
             rows: Any = slice(int(sorted_[0]), int(sorted_[-1]) + 1)
             return {name: array[rows][back] for name, array in self._arrays.items()}
         return {name: array.oindex[sorted_][back] for name, array in self._arrays.items()}
+
+    @cached_property
+    def _views_per_shard(self) -> int:
+        return int(read_manifest(self.store)["views_per_shard"])
 
     def __repr__(self) -> str:
         names = ", ".join(self.variables)
@@ -103,8 +117,9 @@ def open_views(
 ) -> Views:
     """The views in a data set that are there, also of one that is not whole yet.
 
-    Of one that is not whole scenes, conditions or sets of poses may be missing altogether, as views
-    are made in this order.
+    Shards of which a file is missing or not as large as it was written are not there, as for a
+    run. Of a store that is not whole scenes, conditions or sets of poses may be missing altogether,
+    as views are made in this order.
 
     Args:
         store: the data set.
@@ -140,7 +155,7 @@ def open_views(
     for one in variables:
         one_of(one, sorted(known), "variables")
     parts = [np.arange(0)]
-    for shard in shards_done(path):
+    for shard in whole_shards(path, shards_done(path)):
         first, stop = read_record(path, shard)["views"]
         if stop > manifest["views"]:
             raise Error(
@@ -189,7 +204,7 @@ def batches(
     Args:
         views: of `open_views`.
         batch_size: views in a batch; the last may have fewer.
-        shuffle: in an order that ``seed`` and ``epoch`` say, else as they come.
+        shuffle: in an order that ``seed``, 0 to 2⁶⁴ − 1, and ``epoch`` say, else as they come.
         ahead: batches that are read before they are asked for.
 
     Example:
@@ -201,7 +216,7 @@ def batches(
         omma.Error: an argument is out of its range.
     """
     size = whole(batch_size, "batch_size", 1, _MOST)
-    seed, epoch = whole(seed, "seed", 0, _MOST), whole(epoch, "epoch", 0, _MOST)
+    seed, epoch = whole(seed, "seed", 0, MOST_SEED), whole(epoch, "epoch", 0, _MOST)
     ahead = whole(ahead, "ahead", 1, 1 << 16)
     order = np.arange(len(views))
     if shuffle:

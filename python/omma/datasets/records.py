@@ -10,6 +10,7 @@ import hashlib
 import os
 import platform
 import re
+import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import datetime, timezone
@@ -34,7 +35,7 @@ from omma.base.said import (
 )
 from omma.datasets.job_file import Job
 from omma.datasets.plan import MOST_VIEWS, Plan
-from omma.datasets.shard_bytes import COMPRESSION
+from omma.datasets.shard_bytes import CHECKSUM, COMPRESSION
 from omma.rendering.labelled_files import DATA_SET, ZARR_MARKER, load_package
 
 FORMAT = f"{DATA_SET} 1"
@@ -99,6 +100,7 @@ def make_manifest(
         "omma_version": _core.__version__,
         "backend": backend,
         "compression": dict(COMPRESSION),
+        "checksum": CHECKSUM,
         "versions": {
             name: load_package(name, "datasets").__version__
             for name in ("numpy", "zarr", "numcodecs")
@@ -160,6 +162,11 @@ def _check_manifest(said: Said) -> None:
     names = Said(said.take("names", is_object), f"{said.where}.names")
     for name in ("scene", "condition", "pose_set"):
         names.take(name, is_texts)
+
+
+def shard_count(manifest: Mapping[str, Any]) -> int:
+    """How many shards a store has when it is whole."""
+    return int(-(-manifest["views"] // manifest["views_per_shard"]))
 
 
 def open_store(store: str) -> Any:
@@ -244,6 +251,23 @@ def damages(store: str, shard: int) -> list[str]:
             if digest != said["sha256"]:
                 found.append(f"{name} has other bytes than were written")
     return found
+
+
+@contextmanager
+def reading_shards(store: str, shards: Iterable[int]) -> Iterator[None]:
+    """As `reading`. Where something of these shards is not as it was written, the error names the
+    file, and how to mend it."""
+    try:
+        with reading(store, "a Zarr store"):
+            yield
+    except Error:
+        for shard in shards:
+            if found := damages(store, shard):
+                raise Error(
+                    f"{store}: shard {shard} is damaged: {found[0]}; to make it anew: omma dataset "
+                    f"verify --forget {shlex.quote(store)}, then run its job again"
+                ) from None
+        raise
 
 
 def _size(path: str) -> int | None:

@@ -23,6 +23,7 @@ from omma.datasets.cluster import make_on_cluster, scheduler_of
 from omma.datasets.job_file import Job, load_job
 from omma.datasets.layout import (
     Layout,
+    as_begun,
     create_store,
     make_layouts,
     planned,
@@ -38,6 +39,7 @@ from omma.datasets.records import (
     read_manifest,
     record_file,
     record_folder,
+    shard_count,
     shards_done,
     whole_shards,
     writing,
@@ -130,6 +132,9 @@ def run(
     layouts = planned(of_one_view, plan)
     digests = digests_of_inputs(job)
     _begin(job, path, plan, layouts, digests)
+    if len(whole_shards(path, shards_done(path))) == plan.shards:
+        return RunReport(path, plan.views, plan.shards, 0, 0, 0.0)
+    layouts = as_begun(layouts, read_manifest(path))
     with writing(path):
         done = whole_shards(path, shards_done(path))
         missing = sorted(set(range(plan.shards)) - set(done))
@@ -162,7 +167,7 @@ def verify(
     """
     path = expect_local(store, "a data set")
     manifest = read_manifest(path)
-    shards = -(-manifest["views"] // manifest["views_per_shard"])
+    shards = shard_count(manifest)
     done = shards_done(path)
     damaged: list[str] = []
     for k, shard in enumerate(done):
@@ -179,9 +184,12 @@ def verify(
 
 
 def _expect_writable(path: str) -> None:
-    """omma.Error at once, not after minutes of work, where no store can be made or gone on with."""
+    """omma.Error at once, not after minutes of work, where no store can be made or gone on with;
+    where one is whole nothing need be written."""
     if os.path.lexists(path):
-        read_manifest(path)
+        shards = shard_count(read_manifest(path))
+        if len(whole_shards(path, shards_done(path))) == shards:
+            return
         with writing(path):
             return
     folder = Path(path).parent

@@ -48,7 +48,7 @@ def parameters_of(
         pose_count: P of ``rotation_rad``.
         given: by name; None: not given.
         is_array: whether a value is of the library.
-        called: what messages call such a value: "a tensor".
+        called: what messages call such a value: "a tensor of real numbers".
 
     Raises:
         omma.Error: another thing, another shape.
@@ -61,7 +61,9 @@ def parameters_of(
     arrays = {name: value for name, value in given.items() if value is not None}
     for name, array in arrays.items():
         if not is_array(array) or tuple(array.shape) != size[name]:
-            found = tuple(array.shape) if hasattr(array, "shape") else type(array).__name__
+            found = type(array).__name__
+            if hasattr(array, "shape") and hasattr(array, "dtype"):
+                found = f"{found} of shape {tuple(array.shape)}, {array.dtype}"
             raise Error(f"{name}: expected {called} of shape {size[name]}, found {found}")
     return arrays
 

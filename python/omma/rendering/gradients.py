@@ -15,13 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
-from omma.base.arguments import array_of, checked, expect, one_of
+from omma.base.arguments import array_of, checked, expect, one_of, whole
 from omma.base.arrays import Floats
 from omma.base.methods import method_of
 from omma.base.progress import Progress, share_of
@@ -139,7 +138,7 @@ def jacobian(
             head's frame; ``rotation_rad``, of a turn of the head about each axis of the world, as
             if about each ommatidium's own place: what it moves by, edges in their distance show,
             and is left out.
-        first_pose: another number takes other rays.
+        first_pose: another number, up to 2⁶⁰ less the number of poses, takes other rays.
         progress: called with the finished share (0 to 1).
 
     Example:
@@ -161,6 +160,7 @@ def jacobian(
         one_of(name, PARAMETERS, "by")
     samples = expect_differentiable(self)
     matrices = poses_of(self, poses)
+    first_pose = expect_first_pose(first_pose, len(matrices))
     of_each = max(1, samples // _ESTIMATES)
     seen_by = self.with_eye(self.eye, Fixed(of_each), noise="new_every_frame")
     size = (len(matrices), len(self.eye), self.bands)
@@ -184,22 +184,27 @@ def jacobian(
 @checked
 @method_of("omma.rendering.renderer", "Renderer")
 def jvp(
-    self: Prepared, poses: Poses, tangents: Mapping[Parameter, ArrayLike], **options: Any
+    self: Prepared,
+    poses: Poses,
+    tangents: Mapping[Parameter, ArrayLike],
+    *,
+    first_pose: int = 0,
+    progress: Progress | None = None,
 ) -> tuple[Responses, Floats]:
     """Responses (P, N, C), and how they change where parameters do: `Jacobian.jvp` of `jacobian`,
-    which has the other arguments and the errors.
+    which has the errors.
 
     Args:
         poses: as in `render`.
         tangents: by parameter, by how much it changes.
-        options: ``first_pose`` and ``progress``.
+        first_pose, progress: as in `jacobian`.
 
     Raises:
         omma.Error: another parameter or shape, which is told before rays are traced; what
             `jacobian` raises.
     """
     _tangents(tangents, len(poses_of(self, poses)), len(self.eye))
-    found = jacobian(self, poses, by=tuple(tangents), **options)
+    found = jacobian(self, poses, by=tuple(tangents), first_pose=first_pose, progress=progress)
     return found.responses, found.jvp(tangents)
 
 
@@ -211,16 +216,17 @@ def vjp(
     cotangent: ArrayLike,
     *,
     by: Parameter | Sequence[Parameter] = PARAMETERS,
-    **options: Any,
+    first_pose: int = 0,
+    progress: Progress | None = None,
 ) -> tuple[Responses, dict[Parameter, Floats]]:
     """Responses (P, N, C), and gradients of a number by the parameters: `Jacobian.vjp` of
-    `jacobian`, which has the other arguments and the errors.
+    `jacobian`, which has the errors.
 
     Args:
         poses: as in `render`.
         cotangent: (P, N, C), the number's gradient by responses.
         by: which parameters.
-        options: ``first_pose`` and ``progress``.
+        first_pose, progress: as in `jacobian`.
 
     Raises:
         omma.Error: a cotangent of another shape, which is told before rays are traced; what
@@ -228,8 +234,14 @@ def vjp(
     """
     shape = (len(poses_of(self, poses)), len(self.eye), self.bands)
     weights = array_of(cotangent, "cotangent", shape, finite=True)
-    found = jacobian(self, poses, by=by, **options)
+    found = jacobian(self, poses, by=by, first_pose=first_pose, progress=progress)
     return found.responses, found.vjp(weights)
+
+
+def expect_first_pose(first_pose: int, poses: int) -> int:
+    """The number of the first of so many poses, each of which has the frames of its estimates;
+    omma.Error where there are none of it."""
+    return whole(first_pose, "first_pose", 0, (1 << 63) // _ESTIMATES - max(poses, 1))
 
 
 def expect_differentiable(renderer: Prepared, *, own_widths: bool = True) -> int:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from omma._core import Error
-from omma.base.arguments import checked, whole
+from omma.base.arguments import checked
 from omma.base.arrays import Floats
 from omma.base.optional import needs
 from omma.rendering.call import Responses, poses_of
@@ -22,7 +22,7 @@ from omma.rendering.differentiable import (
     parameters_of,
 )
 from omma.rendering.gaussian_scores import Parameter
-from omma.rendering.gradients import ALONG, expect_differentiable
+from omma.rendering.gradients import ALONG, expect_differentiable, expect_first_pose
 from omma.rendering.renderer import Renderer
 
 
@@ -68,17 +68,16 @@ def jax_responses(
     jax = needs("jax", "jax", "responses as arrays of JAX need it")
     expect_parameters(others)
     expect_differentiable(renderer, own_widths=acceptance_angle_rad is None)
-    operands: dict[str, Any] = {
-        "poses": _poses_for(jax, renderer, poses),
-        "first_pose": _first_pose_for(jax, first_pose),
-    }
+    operands: dict[str, Any] = {"poses": _poses_for(jax, renderer, poses)}
+    count = len(operands["poses"])
+    operands["first_pose"] = _first_pose_for(jax, first_pose, count)
     given: dict[Parameter, Any] = {
         "acceptance_angle_rad": acceptance_angle_rad,
         "axis": axis,
         "rotation_rad": rotation_rad,
     }
     arrays = parameters_of(
-        renderer, len(operands["poses"]), given, lambda value: _is_real(jax, value), "numbers"
+        renderer, count, given, lambda value: _is_real(jax, value), "an array of real numbers"
     )
     operands |= {name: jax.numpy.asarray(value) for name, value in arrays.items()}
     return _function_of(jax, renderer)(operands)
@@ -95,11 +94,11 @@ def _poses_for(jax: Any, renderer: Renderer, poses: Any) -> Any:
     return poses.reshape(-1, 4, 4)
 
 
-def _first_pose_for(jax: Any, first_pose: Any) -> Any:
+def _first_pose_for(jax: Any, first_pose: Any, poses: int) -> Any:
     """A whole number of JAX's, where a transformed function is given it; else its bytes, uint32
     (2,)."""
     if not isinstance(first_pose, jax.core.Tracer):
-        number = whole(first_pose, "first_pose", 0, (1 << 63) - 1)
+        number = expect_first_pose(first_pose, poses)
         return np.array([number], np.uint64).view(np.uint32)
     if first_pose.shape != () or not jax.numpy.issubdtype(first_pose.dtype, np.integer):
         raise Error(

@@ -43,6 +43,7 @@ def write_coordinate(
         chunks=tuple(max(1, size) for size in values.shape),
         dimension_names=dimensions,
         attributes=attributes,
+        compressors=_compressors(),
     )[...] = values
 
 
@@ -82,6 +83,7 @@ class ZarrWriter:
                     chunks=_chunks(labels, variable),
                     dimension_names=dimensions,
                     attributes=attributes | {"coordinates": _coordinates(labels, dimensions)},
+                    compressors=_compressors(),
                 )
             zarr.consolidate_metadata(path)
 
@@ -129,6 +131,11 @@ class NetcdfWriter:
 def load_package(package: str, name: str) -> Any:
     """A package of the extra omma[data] that a file of that name needs."""
     return needs(package, "data", f"{name}: needs {package}")
+
+
+def _compressors() -> Any:
+    """Zarr's own, with checksums: changed bits are an error when they are read."""
+    return load_package("zarr", "zarr").codecs.ZstdCodec(checksum=True)
 
 
 def _chunks(labels: Labels, variable: str) -> tuple[int, ...]:

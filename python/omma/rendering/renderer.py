@@ -34,6 +34,7 @@ from omma.rendering.settings import (
     Sampling,
     Settings,
     Shared,
+    changes_options,
     settings_as_record,
     takes_options,
 )
@@ -133,6 +134,7 @@ class Renderer:
 
     @renamed_arguments(kernel="angular_sensitivity")
     @checked
+    @changes_options
     def with_eye(
         self,
         eye: Eye | Sequence[Eye | tuple[Eye, ArrayLike]],

@@ -312,13 +312,22 @@ def _document(kind: type) -> None:
 
 def takes_options(function: F) -> F:
     """The same function, whose signature says ``**options`` one by one, as `Settings` has them."""
+    return _with_options(function, lambda one: one.default)
+
+
+def changes_options(function: F) -> F:
+    """As `takes_options`, of a function in which what is not given stays as it was."""
+    return _with_options(function, lambda one: None)
+
+
+def _with_options(function: F, default: Callable[[dataclasses.Field[Any]], Any]) -> F:
     signature = inspect.signature(function)
     parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
     own = [one for one in dataclasses.fields(Settings) if one.name == "impulse_response"]
     for one in [*options_of(Settings), *own]:
         parameters.append(
             inspect.Parameter(
-                one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=one.type
+                one.name, inspect.Parameter.KEYWORD_ONLY, default=default(one), annotation=one.type
             )
         )
     function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
