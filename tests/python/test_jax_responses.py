@@ -157,7 +157,7 @@ def test_mapped_poses_are_rendered_one_by_one(renderer):
 
 def test_a_loop_of_descent_finds_back_how_an_eye_was_turned():
     """Compiled as one loop, new rays each step: Gauss-Newton on the difference of two frames."""
-    renderer = renderer_of(256)
+    renderer = renderer_of(2048)
     true = jnp.asarray([[0.0, 0.03, 0.0]])
     seen = responses(renderer, POSES[:1], rotation_rad=true, first_pose=7)
 
