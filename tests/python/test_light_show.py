@@ -458,11 +458,13 @@ def test_a_sun_behind_a_cloud_has_no_dot(figures):
 
 @pytest.mark.parametrize("azimuth", [0, 45, 97, 160, 260, 300])
 def test_names_of_neutral_points_hide_nothing(figures, azimuth):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     bands = omma.light.Bands.from_edges(EDGES_NM)
     light = omma.light.clear_sky(35, sun_azimuth_deg=azimuth, bands=bands)
     omma.picture.plot_sky("a.png", light)
     figure = figures[-1]
-    figure.canvas.draw()
+    FigureCanvasAgg(figure).draw()
     names = 0
     for panel in figure.axes:
         called = [one for one in panel.texts if one.get_text() in ("Babinet", "Brewster", "Arago")]

@@ -329,6 +329,7 @@ def _plot(paths: Paths, panels: Sequence[_Panel], labels: Sequence[str], title: 
             panel.margins(0.12)
         if any(kinds):
             # The figure's own, for which the layout leaves space beside panels that keep shapes.
-            figure.legend(*panel.get_legend_handles_labels(), frameon=False, loc="outside center right")
+            marks, names_shown = panel.get_legend_handles_labels()
+            figure.legend(marks, names_shown, frameon=False, loc="outside right center")
         figure.suptitle(title, fontsize="medium", weight="bold")
         save_figure(figure, names, dpi=200)
