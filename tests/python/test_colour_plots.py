@@ -158,6 +158,26 @@ def test_what_cannot_be_drawn_is_said(tmp_path, call, said):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("plot", "colour"),
+    [
+        (cv.plot_hexagon, [0.2, 0.6, 0.7]),
+        (cv.plot_triangle, [0.2, 0.6, 0.7]),
+        (cv.plot_tetrahedron, [0.2, 0.6, 0.7, 1.0]),
+        (cv.plot_fly_categories, [0.2, 0.6, 0.7, 1.0]),
+    ],
+)
+def test_long_names_stay_in_the_figure(tmp_path, drawn, plot, colour):
+    names = ["red petal with ultraviolet", "grey leaf of another plant, seen in the shade"]
+    plot(tmp_path / "a.png", [colour, colour[::-1]], labels=names)
+    (figure,) = drawn
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == names
+    box = legend.get_window_extent()
+    assert box.x1 <= figure.bbox.x1
+    assert all(box.x0 >= panel.get_tightbbox().x1 for panel in figure.axes)
+
+
 def test_as_many_marks_as_names():
     marks = [tuple(mark(k)[key] for key in ("color", "marker")) for k in range(36)]
     assert len(set(marks)) == 36

@@ -189,6 +189,7 @@ def test_corners_of_the_hexagon():
     loci = cv.hexagon(list(corners.values()))
     np.testing.assert_allclose(np.hypot(*loci.T), 1, rtol=1e-15)
     assert cv.hexagon_hue_deg(loci).tolist() == pytest.approx([0, 60, 120, 180, 240, 300])
+    assert cv.hexagon_hue_deg([-1e-20, 1]) == 0
     assert cv.hexagon_sector(loci).tolist() == list(corners)
     # 29.99° and 30.01° from the corner of blue.
     edges = np.radians([-30.01, -29.99, 29.99, 30.01])

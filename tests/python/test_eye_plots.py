@@ -175,6 +175,14 @@ def test_commands(tmp_path, monkeypatch, run_omma):
     assert any(words.startswith("3: gaussian") for words in svg_texts(tmp_path / "c.svg"))
 
 
+def test_the_command_names_the_animal(tmp_path, monkeypatch, run_omma):
+    monkeypatch.chdir(tmp_path)
+    for what in ("acceptance", "3d"):
+        given = ("--species", "drosophila", "--what", what, "-o", "a.svg")
+        assert run_omma("eye", "plot", *given)[0] == 0
+        assert any(words.startswith("Drosophila") for words in svg_texts(tmp_path / "a.svg"))
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -442,6 +442,56 @@ def test_a_sun_behind_clouds_has_no_dot(tmp_path, monkeypatch):
     assert dots == [1, 0]
 
 
+def test_a_sun_behind_a_cloud_has_no_dot(figures):
+    """Of the sun's light 4e-5 come through; the sky's curve lies on that of both."""
+    behind = omma.light.cloudy_sky(35, 0.4, "cumulus")
+    shaded = omma.light.cloudy_sky(35, 0.4, "cumulus", shadow_height_m=900)
+    for light in (behind, shaded, omma.light.clear_sky(35), omma.light.moonlit_sky(35)):
+        omma.picture.plot_sky("a.png", light, [440])
+    dots = [sum(line.get_marker() == "o" for line in one.axes[0].lines) for one in figures]
+    assert dots == [0, 0, 1, 1]
+    panel = next(one for one in figures[0].axes if one.get_xlabel() == "wavelength (nm)")
+    sky, _, both = panel.lines
+    assert sky.get_zorder() > both.get_zorder()
+    assert sky.get_linewidth() < both.get_linewidth()
+
+
+@pytest.mark.parametrize("azimuth", [0, 45, 97, 160, 260, 300])
+def test_names_of_neutral_points_hide_nothing(figures, azimuth):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    bands = omma.light.Bands.from_edges(EDGES_NM)
+    light = omma.light.clear_sky(35, sun_azimuth_deg=azimuth, bands=bands)
+    omma.picture.plot_sky("a.png", light)
+    figure = figures[-1]
+    FigureCanvasAgg(figure).draw()
+    names = 0
+    for panel in figure.axes:
+        called = [one for one in panel.texts if one.get_text() in ("Babinet", "Brewster", "Arago")]
+        boxes = [one.get_window_extent() for one in called]
+        marks = [line for line in panel.lines if line.get_marker() in ("+", "o")]
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[:k])
+            for line in marks:
+                x, y = panel.transData.transform(line.get_xydata()[0])
+                assert not box.contains(x, y)
+        names += len(called)
+    assert names >= 12
+
+
+def test_titles_break_between_what_they_say(figures):
+    light = omma.light.clear_sky(
+        35.27, sun_azimuth_deg=96.97, aerosol=0.1, ozone_du=300, albedo=0.1, height_m=0,
+        haze_kind="rural", bands=omma.light.Bands.equal(2),
+    )  # fmt: skip
+    omma.picture.plot_sky("a.png", light, [440])
+    lines = figures[-1].get_suptitle().split("\n")
+    assert lines[0].endswith("albedo 0.1,")
+    assert lines[1] == "height 0 m, rural haze"
+    omma.picture.plot_sky("a.png", light, [440], title="letters " * 20)
+    assert max(map(len, figures[-1].get_suptitle().split("\n"))) <= 100
+
+
 def test_the_spectrums_axis_has_its_power_of_ten_beside_the_unit(tmp_path, monkeypatch):
     from omma.picture import sky_plots
 

@@ -193,8 +193,8 @@ def test_light_names_the_unit_and_the_bands(drawn):
         scale = drawn(make_eye(50), responses, channels=[1], light=light).axes[-1]
         assert scale.get_xlabel() == f"response: band 1, 450 nm, {words}"
         figure = drawn(make_eye(50), responses, channels=[3, 0], light=light, errors=responses)
-        assert figure.axes[-1].get_xlabel() == f"standard error, {words}"
-        assert figure.axes[-2].get_xlabel() == f"response (display gamma 2.2), {words}"
+        labels = [panel.get_xlabel().replace("\n", " ") for panel in figure.axes[-2:]]
+        assert labels == [f"response (display gamma 2.2), {words}", f"standard error, {words}"]
         names = [label.get_text() for label in figure.axes[-2].get_yticklabels()]
         assert names == ["band 3, 650 nm, shown yellow", "band 0, 350 nm, shown blue"]
     with pytest.raises(omma.Error, match="light: expected as many bands as responses, 3, found 4"):
@@ -350,3 +350,126 @@ def test_other_numbers_than_responses_are_called_what_they_are(drawn):
     assert scale.get_xlabel() == "mean of 1/distance (1/m)"
     scale = drawn(eye, values, quantity="flow (°/s)", full_scale=2).axes[-1]
     assert scale.get_xlabel() == "flow (°/s), more cut off (display gamma 2.2)"
+
+
+def ant():
+    types = [
+        omma.receptors.ReceptorType("ultraviolet", peak_wavelength_nm=350),
+        omma.receptors.ReceptorType("green", peak_wavelength_nm=510),
+        omma.receptors.ReceptorType("blue", peak_wavelength_nm=436),
+    ]
+    return bee().replace(receptor_types=types)
+
+
+def test_a_legend_has_the_names_of_each_eye(drawn):
+    """Receptors of the second eye that have other peaks are not called as those of the first."""
+    one, other = bee(), ant()
+    responses = [np.ones(len(one.receptor_type)), np.ones(len(other.receptor_type))]
+    figure = drawn([one, other], responses, receptors=True)
+    assert [row.replace("\n", " ") for row in rows_of_legend(figure)] == [
+        "eye 1 of 2: green (544 nm); eye 2 of 2: green (510 nm), shown red",
+        "blue (436 nm), shown green",
+        "eye 1 of 2: uv (344 nm); eye 2 of 2: ultraviolet (350 nm), shown blue",
+    ]
+    figure = drawn([one, other], responses, receptors=True, channels=["green"])
+    said = "response: eye 1 of 2: green (544 nm); eye 2 of 2: green (510 nm)"
+    assert figure.axes[-1].get_xlabel() == said
+    assert (
+        drawn([one, one], responses, receptors=True, channels=["blue"]).axes[-1].get_xlabel()
+        == "response: blue (436 nm)"
+    )
+
+
+def test_eyes_of_animals_are_named(drawn):
+    eyes = [omma.species.honeybee_worker().eye, omma.species.cataglyphis().eye]
+    responses = [np.ones(len(eye.receptor_type)) for eye in eyes]
+    figure = drawn(eyes, responses, receptors=True)
+    titles = [panel.get_title(loc="left") for panel in figure.axes[:-1]]
+    assert [title.split(": ")[0] for title in titles] == ["Honeybee worker"] * 2 + [
+        "Cataglyphis"
+    ] * 2
+    assert all(": " in row for row in rows_of_legend(figure))
+    half = eyes[1].take(np.flatnonzero(eyes[1].eye_id == 0).tolist())
+    title = drawn(half, np.ones((len(half), 3))).axes[0].get_title(loc="left")
+    assert title == f"Cataglyphis: {len(half):,} ommatidia"
+
+
+def test_labels_of_two_scales_do_not_touch(tmp_path, monkeypatch):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from omma.picture import response_plots
+
+    labels = []
+
+    def measured(figure, *_, **__):
+        FigureCanvasAgg(figure).draw()
+        labels.extend(panel.xaxis.label.get_window_extent() for panel in figure.axes[-2:])
+        labels.append(figure.bbox)
+
+    # As it is written, in the style that figures have then.
+    monkeypatch.setattr(response_plots, "save_figure", measured)
+    light = omma.light.overcast_sky(40, bands=omma.light.Bands.equal(4, 300, 700))
+    responses = np.random.default_rng(0).random((500, 4)) * 4e17
+    responses[0] *= 1e3
+    omma.picture.plot_responses(
+        tmp_path / "a.png", make_eye(500), responses, errors=responses, channels=[1], light=light
+    )
+    left, right, whole = labels
+    assert left.x1 < right.x0
+    assert right.x1 <= whole.x1
+    assert min(left.y0, right.y0) >= 0
+
+
+def test_the_scale_of_errors_ends_where_99_of_100_do(drawn):
+    responses = np.ones((500, 3))
+    errors = np.full((500, 3), 0.1)
+    errors[0] = 0.8
+    figure = drawn(make_eye(500), responses, errors=errors)
+    assert figure.axes[1].images[1].get_clim() == pytest.approx((0, 0.1))
+    assert figure.axes[-1].get_xlabel() == "standard error, larger cut off"
+    errors[0] = 0.15
+    figure = drawn(make_eye(500), responses, errors=errors)
+    assert figure.axes[1].images[1].get_clim() == pytest.approx((0, 0.15))
+    assert figure.axes[-1].get_xlabel() == "standard error"
+
+
+def test_angles_have_the_same_colour_at_both_ends(drawn):
+    eye = make_eye(4)
+    figure = drawn(eye, [-90.0, 90.0, 100.0, np.nan], cyclic=180, quantity="angle (°)")
+    image = figure.axes[0].images[1]
+    assert image.get_clim() == (-90, 90)
+    ends = [image.cmap(image.norm(end)) for end in (-90.0, 90.0)]
+    assert ends[0] == pytest.approx(ends[1], abs=0.02)
+    shown = np.unique(np.ma.asarray(image.get_array()).compressed())
+    assert shown == pytest.approx([-90, -80])
+    scale = figure.axes[-1]
+    assert scale.get_xticks() == pytest.approx([-90, -45, 0, 45, 90])
+    assert scale.get_xlabel() == "angle (°)"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"responses": np.arange(9.0).reshape(3, 3)}, "cyclic: expected one channel"),
+        ({"full_scale": 90}, "cyclic: expected no full_scale"),
+        ({"cyclic": 0}, "cyclic"),
+        ({"receptors": True, "responses": np.ones(8), "channels": ["uv"]}, "of receptors"),
+    ],
+)
+def test_periods_that_make_no_sense_are_refused(drawn, arguments, words):
+    with pytest.raises(omma.Error, match=words):
+        drawn(bee(), **{"responses": np.ones(3), "cyclic": 180, **arguments})
+
+
+@pytest.mark.parametrize("projection", [None, *omma.picture.PROJECTIONS])
+def test_titles_stay_in_the_figure(tmp_path, projection):
+    image = pytest.importorskip("PIL.Image")
+    eye, path = make_eye(200), tmp_path / "a.png"
+    if projection == "raw_ommatidial_samples":
+        with pytest.raises(omma.Error, match="projection: expected one that shows responses"):
+            omma.picture.plot_responses(path, eye, np.ones(200), projection=projection)
+        return
+    omma.picture.plot_responses(path, eye, np.ones(200), projection=projection)
+    inked = (np.asarray(image.open(path).convert("L")) < 250).any(axis=1)
+    # The layout means to leave a 24th of an inch, 8 pixels; what is cut has none.
+    assert np.flatnonzero(inked)[0] >= 4

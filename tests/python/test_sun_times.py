@@ -5,7 +5,7 @@ from datetime import date, datetime, timedelta, timezone
 import pytest
 
 import omma
-from omma.light import dawn, dusk, solar_noon, sun_position, sunrise, sunset
+from omma.light import dawn, dusk, moon_position, solar_noon, sun_position, sunrise, sunset
 
 pytest.importorskip("ephem")
 
@@ -86,6 +86,15 @@ def test_the_sun_is_where_it_is_said_to_be(place, day):
     # On the meridian, in the south or in the north.
     azimuth = sun_position(noon, *place).azimuth_deg
     assert min(azimuth, abs(azimuth - 180), 360 - azimuth) < 1e-3
+
+
+def test_azimuths_are_below_a_whole_turn():
+    """Times at which single precision makes a little more than a whole turn of north."""
+    sydney = (-33.9, 151.2)
+    azimuth = sun_position(solar_noon(date(2026, 9, 23), *sydney), *sydney).azimuth_deg
+    assert 0 <= azimuth < 1e-3
+    moment = datetime(2026, 1, 10, 19, 51, 37, 546726, tzinfo=timezone.utc)
+    assert 0 <= moon_position(moment, *sydney).azimuth_deg < 1e-3
 
 
 def test_a_night_that_only_just_is_not_white():

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import io
 import os
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -82,6 +83,20 @@ def figure_style(size_pt: float = 7.5) -> Iterator[None]:
     }
     with rc_context(settings):
         yield
+
+
+def wrapped(title: str, letters: int) -> str:
+    """A title in lines of so many letters at most, which end at its commas where they can: not
+    between a number and its unit."""
+    lines = [""]
+    for part in title.split(", "):
+        longer = f"{lines[-1]}, {part}" if lines[-1] else part
+        if len(longer) < letters or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines[-1] += ","
+            lines.append(part)
+    return "\n".join(textwrap.fill(line, letters) for line in lines)
 
 
 def save_figure(figure: Figure, names: Sequence[str], dpi: float = 200) -> None:

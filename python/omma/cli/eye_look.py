@@ -143,7 +143,9 @@ def plot(
         Literal["facets", "axes", "both"], option("3d: facets, lines along the axes, or both.")
     ] = "facets",
     back: Annotated[bool, switch("--back", "3d: what faces away too.")] = False,
-    title: Annotated[str | None, option("Title. Default: the file's name.", "TEXT")] = None,
+    title: Annotated[
+        str | None, option("Title. Default: the file's or the animal's name.", "TEXT")
+    ] = None,
     unit: EyeUnitOption = "mm",
 ) -> None:
     """Make a figure of an eye."""

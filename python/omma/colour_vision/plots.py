@@ -308,7 +308,8 @@ def _plot(paths: Paths, panels: Sequence[_Panel], labels: Sequence[str], title: 
     if len(kinds) > MOST_MARKS:
         raise Error(f"labels: expected at most {MOST_MARKS} different ones, found {len(kinds)}")
     with figure_style():
-        beside = 32 if any(kinds) else 0
+        # As wide as the longest name of the legend needs it.
+        beside = max(32.0, 12 + 1.4 * max(map(len, kinds))) if any(kinds) else 0
         width = 84 * len(panels) + beside
         figure = load_matplotlib()(figsize=(width * MM, 84 * MM), layout="constrained")
         for k, (draw, points, locus, seen) in enumerate(panels):
@@ -327,6 +328,8 @@ def _plot(paths: Paths, panels: Sequence[_Panel], labels: Sequence[str], title: 
             panel.set_title(seen)
             panel.margins(0.12)
         if any(kinds):
-            panel.legend(frameon=False, loc="center left", bbox_to_anchor=(1.02, 0.5))
+            # The figure's own, for which the layout leaves space beside panels that keep shapes.
+            marks, names_shown = panel.get_legend_handles_labels()
+            figure.legend(marks, names_shown, frameon=False, loc="outside right center")
         figure.suptitle(title, fontsize="medium", weight="bold")
         save_figure(figure, names, dpi=200)

@@ -100,8 +100,9 @@ def hexagon_contrast(first: ArrayLike, second: ArrayLike) -> Floats:
 
 @checked
 def hexagon_hue_deg(loci: ArrayLike) -> Floats:
-    """The hue of loci (..., 2) in the hexagon: (...), 0 to 360°, clockwise from the blue corner, so
-    that green is at 120° and ultraviolet at 240° (Chittka et al. 1994). In the middle it is 0.
+    """The hue of loci (..., 2) in the hexagon: (...), from 0 to below 360°, clockwise from the blue
+    corner, so that green is at 120° and ultraviolet at 240° (Chittka et al. 1994). In the middle it
+    is 0.
 
     Example:
         >>> [round(float(hue)) for hue in omma.colour_vision.hexagon_hue_deg([[0, 1], [1, 0]])]
@@ -111,7 +112,8 @@ def hexagon_hue_deg(loci: ArrayLike) -> Floats:
         omma.Error: loci that are not finite or not two numbers.
     """
     x, y = np.moveaxis(array_of(loci, "loci", (..., 2), finite=True), -1, 0)
-    return np.asarray(np.degrees(np.arctan2(x, y)) % 360)
+    turned = np.degrees(np.arctan2(x, y)) % 360
+    return np.where(turned < 360, turned, 0.0)  # of a little below 0, the remainder rounds to 360
 
 
 @checked

@@ -27,7 +27,7 @@ class SunPosition:
     takes it apart without names is warned, up to 0.2.
 
     Attributes:
-        azimuth_deg: 0 to 360, from north to the east.
+        azimuth_deg: from 0 to below 360, from north to the east.
         elevation_deg: above the horizon.
     """
 
@@ -67,7 +67,7 @@ def sun_position(date_time: datetime, latitude_deg: float, longitude_deg: float)
     within(latitude_deg, "latitude_deg", -90, 90)
     within(longitude_deg, "longitude_deg", -180, 180)
     sun = load_ephem().Sun(observer_at(moment, latitude_deg, longitude_deg))
-    return SunPosition(math.degrees(sun.az), math.degrees(sun.alt))
+    return SunPosition(_azimuth_deg(sun), math.degrees(sun.alt))
 
 
 @value_class
@@ -76,7 +76,7 @@ class MoonPosition:
     """Where the moon's centre stands, and how much of it is lit.
 
     Attributes:
-        azimuth_deg: 0 to 360, from north to the east.
+        azimuth_deg: from 0 to below 360, from north to the east.
         elevation_deg: above the horizon.
         phase_angle_deg: between sun and earth, seen from the moon: 0 is full, 180 new.
         illuminated_fraction: of its disc, (1 + cos(phase angle)) / 2.
@@ -111,7 +111,12 @@ def moon_position(date_time: datetime, latitude_deg: float, longitude_deg: float
     moon = load_ephem().Moon(observer_at(moment, latitude_deg, longitude_deg))
     lit = moon.phase / 100
     angle = math.degrees(math.acos(max(-1.0, min(1.0, 2 * lit - 1))))
-    return MoonPosition(math.degrees(moon.az), math.degrees(moon.alt), angle, lit)
+    return MoonPosition(_azimuth_deg(moon), math.degrees(moon.alt), angle, lit)
+
+
+def _azimuth_deg(body: Any) -> float:
+    # PyEphem's is in single precision, in which a whole turn is a little more than one.
+    return math.degrees(body.az) % 360.0
 
 
 def observer_at(moment: datetime, latitude_deg: float, longitude_deg: float) -> Any:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -23,7 +22,7 @@ from omma.base.files import PathLike
 from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.neighbours import sides, surface_lattice, surface_normals
 from omma.eye.properties import EyeProperty, eye_property, is_known
-from omma.picture.eye_maps import colour_scale
+from omma.picture.eye_maps import colour_scale, known_name
 
 Style = Literal["facets", "axes", "both"]
 
@@ -354,7 +353,7 @@ def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
 
 
 def _title(eye: Eye, yaw_deg: float, pitch_deg: float, drawing: _Drawing) -> str:
-    name = f"{Path(eye.path).name}\n" if eye.path and " + " not in eye.path else ""
+    name = f"{known}\n" if (known := known_name(eye)) else ""
     shown = (
         f"{len(eye):,} ommatidia"
         if len(drawing.shown) == len(eye)

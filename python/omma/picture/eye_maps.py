@@ -44,6 +44,7 @@ from omma.picture.map_projections import (
     project_directions,
 )
 from omma.picture.unseen import NOT_KNOWN, hatched_ground
+from omma.species.animals import name_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -361,10 +362,19 @@ def _outlines(panel: Axes, the_map: EyeMap) -> None:
 
 
 def eye_title(eye: Eye) -> str:
-    """The file's name where it is one, and how many ommatidia there are."""
-    return f"{file_title(eye)}{len(eye):,} ommatidia"
+    """What the eye is called, where that is known, and how many ommatidia there are."""
+    return f"{known_title(eye)}{len(eye):,} ommatidia"
 
 
-def file_title(eye: Eye) -> str:
-    """The file's name and a colon, where it is one."""
-    return f"{Path(eye.path).name}: " if eye.path and " + " not in eye.path else ""
+def known_title(eye: Eye) -> str:
+    """What the eye is called and a colon, where that is known."""
+    name = known_name(eye)
+    return f"{name}: " if name else ""
+
+
+def known_name(eye: Eye) -> str:
+    """The file's name where the eye is of one, else its animal's; "" where neither is known."""
+    if eye.path:
+        return Path(eye.path).name if " + " not in eye.path else ""
+    animal = name_of(eye)
+    return animal.replace("_", " ").capitalize() if animal else ""

@@ -74,7 +74,7 @@ def plot_poster(
     `measure_eye` finds, and facts.
 
     Args:
-        title: by default the file's name.
+        title: by default the file's or the animal's name.
         facts: of the animal, each (label, value with its unit, where it is from); any number, of
             which about 45 fit.
         sources: printed at the foot of the page.

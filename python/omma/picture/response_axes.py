@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Extent = tuple[float, float, float, float]
 
+# Ommatidia beside each other by their number, in no direction.
+LISTED = ("single_dimension", "single_dimension_fast")
 _SPHERE: Extent = (-180.0, 180.0, -90.0, 90.0)
 
 
@@ -43,7 +45,7 @@ def draw_axes(
             side.set_visible(False)
         panel.set_xlabel("the eyes' own facets, seen from within the head, up at the top")
         return (0.0, 2.0, 0.0, 1.0)
-    if projection in ("single_dimension", "single_dimension_fast"):
+    if projection in LISTED:
         panel.set(xlabel="ommatidium", yticks=[])
         return (0.0, float(ommatidia), 0.0, ommatidia / 2)
     if projection == "spherical_split_orientationwise":

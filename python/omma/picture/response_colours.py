@@ -104,7 +104,8 @@ def _of_stokes(name: str) -> str:
     return (
         f"; of Stokes vectors {name}[..., 0, :] is the intensity, and with i, q, u = "
         f"numpy.moveaxis({name}[..., band], -1, 0) numpy.hypot(q, u) / i the degree of "
-        "polarisation, a channel (docs/light.md)"
+        "polarisation, numpy.degrees(numpy.arctan2(u, q)) / 2 its angle, drawn with cyclic=180 "
+        "(docs/light.md)"
     )
 
 

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from omma._core import Eye
+from omma.base.figures import wrapped
 from omma.light import Light
-from omma.picture.response_colours import SHOWN_AS, as_colours
+from omma.picture.eye_maps import known_name
+from omma.picture.response_colours import SHOWN_AS, Shown, as_colours
 from omma.picture.sky_plots import RADIANCE_UNITS
 
 if TYPE_CHECKING:
@@ -25,8 +28,9 @@ _LETTERS = 34  # as many as fit beside the strips
 class Scale:
     """How responses are shown: names of the channels, and what is said below the scale.
 
-    coloured: as display colours, else by a colour bar; of a signed one 0 is the middle. unit: of
-    responses, "" where they have none, None where nobody said.
+    coloured: as display colours, else by a colour bar; of a signed one 0 is the middle, a cyclic
+    one ends in the colour that it begins with. unit: of responses, "" where they have none, None
+    where nobody said.
     """
 
     names: tuple[str, ...]
@@ -36,6 +40,7 @@ class Scale:
     what: str
     unit: str | None
     signed: bool = False
+    cyclic: bool = False
 
 
 def centers_nm(light: Light | None) -> list[float] | None:
@@ -57,10 +62,29 @@ def _raised(power: re.Match[str]) -> str:
     return "⁻" + "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])]
 
 
-def legend_mm(scale: Scale) -> float:
-    """How high the legend is."""
-    lines = max(name.count("\n") + 1 for name in _row_names(scale.names)) if scale.coloured else 1
-    return 10 + len(scale.names) * max(3.5, 2.8 * lines)
+def names_of_all(eyes: Sequence[Eye], shown: Sequence[Shown]) -> tuple[str, ...]:
+    """Of each channel its name; where eyes have others, each after its eye's."""
+    if len({each.names for each in shown}) == 1:
+        return shown[0].names
+    called = [known_name(eye) for eye in eyes]
+    if "" in called or len(set(called)) < len(called):
+        called = [f"eye {k + 1} of {len(eyes)}" for k in range(len(eyes))]
+    found = []
+    for channel in zip(*(each.names for each in shown), strict=True):
+        owners: dict[str, list[str]] = {}
+        for eye, name in zip(called, channel, strict=True):
+            owners.setdefault(name, []).append(eye)
+        one = len(owners) == 1
+        parts = [name if one else f"{', '.join(who)}: {name}" for name, who in owners.items()]
+        found.append("; ".join(parts))
+    return tuple(found)
+
+
+def legend_mm(scale: Scale, letters: int) -> float:
+    """How high the legend is, where the label below has so many letters in a line."""
+    lines = [name.count("\n") + 1 for name in _row_names(scale.names)] if scale.coloured else [1]
+    below = len(_label(_what(scale), scale.full_scale, scale.unit, letters).splitlines())
+    return 7 + 3 * below + len(scale.names) * max(3.5, 2.8 * max(lines))
 
 
 def _row_names(names: Sequence[str]) -> list[str]:
@@ -71,7 +95,7 @@ def _row_names(names: Sequence[str]) -> list[str]:
     return [textwrap.fill(each, _LETTERS) for each in called]
 
 
-def draw_strips(panel: Axes, scale: Scale) -> None:
+def draw_strips(panel: Axes, scale: Scale, letters: int) -> None:
     """The scale of each channel as a strip of what it is shown as, its name beside it."""
     steps = np.linspace(0, scale.full_scale, 256)
     count = len(scale.names)
@@ -85,18 +109,32 @@ def draw_strips(panel: Axes, scale: Scale) -> None:
     for label in panel.get_yticklabels():
         label.set_in_layout(False)  # there is space beside it, which no other picture should give
     panel.tick_params(axis="y", length=0)
-    name_scale(panel, f"{scale.what} (display gamma {scale.gamma:g})", scale.full_scale, scale.unit)
+    name_scale(panel, _what(scale), scale.full_scale, scale.unit, letters)
     for side in ("left", "bottom"):
         panel.spines[side].set_visible(False)
 
 
-def name_scale(panel: Axes, label: str, largest: float, unit: str | None) -> None:
+def _what(scale: Scale) -> str:
+    gamma = f" (display gamma {scale.gamma:g})" if scale.coloured else ""
+    return f"{scale.what}{gamma}"
+
+
+def name_scale(panel: Axes, label: str, largest: float, unit: str | None, letters: int) -> None:
     """The label of a scale with its unit, and before that the power of ten of very large and very
     small numbers, as of photons, which Matplotlib would write across the label."""
-    if 1e-3 <= largest < 1e4:
-        panel.set_xlabel(f"{label}, {unit}" if unit else label)
-        return
-    power = math.floor(math.log10(largest))
-    panel.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+    panel.set_xlabel(_label(label, largest, unit, letters))
+    if power := _power(largest):
+        panel.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+
+
+def _label(label: str, largest: float, unit: str | None, letters: int) -> str:
+    power = _power(largest)
+    if not power:
+        return wrapped(f"{label}, {unit}" if unit else label, letters)
     times = "unit not given (light=)" if unit is None else unit
-    panel.set_xlabel(f"{label}, $10^{{{power}}}$ {times}".rstrip())
+    return wrapped(f"{label}, $10^{{{power}}}$ {times}".rstrip(), letters)
+
+
+def _power(largest: float) -> int:
+    """Of ten, that is said beside the unit; 0 of numbers that are neither large nor small."""
+    return 0 if 1e-3 <= largest < 1e4 else math.floor(math.log10(largest))

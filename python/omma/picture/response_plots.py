@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,15 +11,19 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import checked, expect, positive
-from omma.base.arrays import Flags, Floats
-from omma.base.figures import MM, figure_names, figure_style, load_matplotlib, save_figure
+from omma.base.arrays import Floats
+from omma.base.figures import (
+    MM,
+    figure_names,
+    figure_style,
+    load_matplotlib,
+    save_figure,
+    wrapped,
+)
 from omma.base.files import PathLike
-from omma.eye.neighbours import sides
 from omma.light import Light
-from omma.picture.eye_maps import eye_title, file_title
-from omma.picture.kept_ids import Ids
-from omma.picture.projections import projection_ids, projection_size
-from omma.picture.response_axes import draw_axes
+from omma.picture.projections import projection_size
+from omma.picture.response_axes import LISTED, draw_axes
 from omma.picture.response_colours import (
     Channel,
     Shown,
@@ -36,15 +38,17 @@ from omma.picture.response_legend import (
     draw_strips,
     legend_mm,
     name_scale,
+    names_of_all,
     unit_of,
 )
+from omma.picture.response_pictures import Picture, pictures_of
 from omma.picture.response_scale import (
     check_colours,
     cut_off,
     end_of_scale,
     is_signed,
-    largest,
     missing_words,
+    within_period,
 )
 from omma.picture.unseen import NOT_KNOWN, aspect_of, hatched_ground, inside_outline, unseen
 
@@ -52,23 +56,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_PIXELS = 1080  # across a picture of the whole sphere
 _MOST_PICTURES = 24
 _COLOURS, _ERROR_COLOURS = "viridis", "magma"
 _SIGNED_COLOURS = "RdBu_r"  # white at 0, told apart by colour-blind eyes
+_CYCLIC_COLOURS = "twilight"  # the same at both ends
 _WIDTH_MM = 180.0
+_OUTSHINE = 2.0  # of errors: some are many times what most are, at edges and in glitter
 _LETTERS = 90  # of a title across the figure
+_LETTERS_OF_SCALE = {False: 110, True: 48}  # below one scale, below each of two
 _UNITS = 12  # columns of the grid, which 1, 2, 3 and 4 pictures in a row divide
-
-
-@dataclass(frozen=True)
-class _Picture:
-    """One picture: pixel values (H, W, K), NaN where no ommatidium is ``seen`` (H, W)."""
-
-    values: Floats
-    seen: Flags
-    title: str
-    is_error: bool
 
 
 @checked
@@ -83,6 +79,7 @@ def plot_responses(
     light: Light | None = None,
     projection: str | None = None,
     full_scale: float | None = None,
+    cyclic: float | None = None,
     gamma: float = 2.2,
     quantity: str | None = None,
     titles: Sequence[str] | None = None,
@@ -97,14 +94,16 @@ def plot_responses(
     value = (response / full_scale) ** (1 / gamma). Colours cannot show numbers below 0: down to a
     tenth of the scale (of red, green and blue their luminance) they are cut off and the legend says
     so, beyond it is an error. Red, green and blue that are the same throughout are one channel,
-    grey. Directions that no ommatidium sees are hatched.
+    grey. Where channels have other names in one eye than in another, as receptors of another peak,
+    the legend says which are whose. Directions that no ommatidium sees are hatched.
 
     Args:
         eye: an eye, or several, of different animals say.
         responses: of one eye (N, C) or (P, N, C), as `Renderer.render` gives them, or of one
             channel (N,) or (P, N), as distances are; of several eyes a sequence of such arrays.
         errors: their standard errors, of the same shape: drawn beside, as the root of the mean
-            square over the channels shown.
+            square over the channels shown. Their scale goes to the largest, or where that is more
+            than twice what 99 of 100 have, as far as these.
         receptors: ``responses`` are receptors', (R,) or (P, R), as `Renderer.render_receptors`
             gives them. Without ``channels`` the kinds of receptors are shown by peak wavelength,
             the longest as red, the next as green, the shortest as blue; of two the longer as
@@ -121,6 +120,9 @@ def plot_responses(
         full_scale: the response at the end of the scale. Default: 1 for RGB, else the largest, by
             its size where numbers lie below 0; but where that is more than ten times what 99 of 100
             have, as where the sun is seen, what these have.
+        cyclic: the period of numbers that come back to where they began: 180 of the angle of
+            polarisation in degrees, 360 of azimuths. They are drawn from minus half of it to half
+            of it, in colours that are the same at both ends.
         quantity: what the numbers are, with its unit, where they are not responses: instead of what
             the legend would say of them.
         titles: of the pictures, in order: all poses of the first eye, then those of the next.
@@ -128,8 +130,9 @@ def plot_responses(
 
     Raises:
         omma.Error: shapes that do not fit the eyes, two or three channels with numbers that are not
-            finite or far below 0, errors below 0, over 24 pictures, another ending, Matplotlib is
-            missing, a file cannot be written.
+            finite or far below 0, errors below 0, a period of several channels, of receptors or
+            with a full_scale, over 24 pictures, another ending, Matplotlib is missing, a file
+            cannot be written.
     """
     names = figure_names(paths)
     eyes = [eye] if isinstance(eye, Eye) else list(eye)
@@ -162,6 +165,9 @@ def plot_responses(
         shown = [Shown(each.values[..., :1], ("red = green = blue",)) for each in shown]
         # A bar shows what greys cannot.
         coloured = not is_signed(shown) and not missing_words(shown)
+    if cyclic is not None:
+        full_scale = _half_period(cyclic, full_scale, coloured, receptors)
+        shown = [within_period(each, cyclic) for each in shown]
     if full_scale is None:
         rgb = not receptors and channels is None and coloured and (grey or len(shown[0].names) == 3)
         full_scale = 1.0 if rgb else end_of_scale(shown)
@@ -169,20 +175,22 @@ def plot_responses(
     if coloured:
         check_colours(shown, full_scale, "responses")
     known_as = shown[0].quantity if quantity is None else quantity
+    channel_names = names_of_all(eyes, shown)
     what = known_as or "response"
-    if not coloured and quantity is None and shown[0].names[0]:
-        what += f": {shown[0].names[0]}"
+    if not coloured and quantity is None and channel_names[0]:
+        what += f": {channel_names[0]}"
     what += cut_off(shown, full_scale, coloured, "more" if known_as else "brighter")
     unit = unit_of(light, arrays) if quantity is None else ""
     scale = Scale(
-        shown[0].names, coloured, full_scale, gamma, what, unit, not coloured and is_signed(shown)
-    )
+        channel_names, coloured, full_scale, gamma, what, unit,
+        signed=cyclic is not None or (not coloured and is_signed(shown)), cyclic=cyclic is not None,
+    )  # fmt: skip
     count = sum(len(each.values) for each in shown)
     if count > _MOST_PICTURES:
         raise Error(f"responses: expected at most {_MOST_PICTURES} pictures, found {count}")
     if titles is not None and len(titles) != count:
         raise Error(f"titles: expected {count}, one for each picture, found {len(titles)}")
-    rows = _rows(_entries(eyes, shown, beside, projection, titles))
+    rows = _rows(pictures_of(eyes, shown, beside, projection, titles))
     with figure_style():
         figure = _figure(rows, projection, eyes, scale, beside)
         if missing := missing_words([*shown, *(beside or ())]):
@@ -190,6 +198,19 @@ def plot_responses(
         if title is not None:
             figure.suptitle(title, fontsize="large", weight="bold")
         save_figure(figure, names, dpi=200)
+
+
+def _half_period(cyclic: float, full_scale: float | None, coloured: bool, receptors: bool) -> float:
+    if full_scale is not None:
+        raise Error("cyclic: expected no full_scale beside it, as the period is the scale")
+    if receptors:
+        raise Error(
+            "cyclic: expected numbers of ommatidia, found those of receptors, of which "
+            "means are drawn"
+        )
+    if coloured:
+        raise Error("cyclic: expected one channel, found several; choose by channels=[0]")
+    return positive(cyclic, "cyclic") / 2
 
 
 def _all_shown(
@@ -210,72 +231,7 @@ def _all_shown(
     return shown
 
 
-def _entries(
-    eyes: Sequence[Eye],
-    shown: Sequence[Shown],
-    beside: Sequence[Shown] | None,
-    projection: str | None,
-    titles: Sequence[str] | None,
-) -> list[list[list[_Picture]]]:
-    """For each pose of each eye its pictures and, where there are errors, theirs: lists of one for
-    each eye of the head that is drawn apart."""
-    entries: list[list[list[_Picture]]] = []
-    for k, eye in enumerate(eyes):
-        maps = _id_maps(eye, projection)
-        names = ["left eye", "right eye"] if len(maps) == 2 else [f"eye {e}" for e in range(9)]
-        for pose in range(len(shown[k].values)):
-            moment = f", pose {pose}" if len(shown[k].values) > 1 else ""
-            if titles is not None:
-                called = [titles[len(entries)]]
-                if len(maps) > 1:
-                    called = [f"{called[0]}: {each}" for each in names]
-            elif len(maps) > 1:
-                of_all = f"of {len(eye):,} ommatidia{moment}"
-                called = [
-                    f"{file_title(eye)}{name}, {_members(eye, ids):,} {of_all}"
-                    for name, ids in zip(names, maps, strict=False)
-                ]
-            else:
-                called = [eye_title(eye) + moment]
-            entry = []
-            for what, is_error in ((shown, False), (beside, True)):
-                if what is None:
-                    continue
-                values = what[k].values[pose]
-                entry.append(
-                    [
-                        _Picture(
-                            _painted(ids, values),
-                            ids >= 0,
-                            "standard error" if is_error else title,
-                            is_error,
-                        )
-                        for ids, title in zip(maps, called, strict=True)
-                    ]
-                )
-            entries.append(entry)
-    return entries
-
-
-def _members(eye: Eye, ids: Ids) -> int:
-    """How many ommatidia the eye in a panel has, those too that are smaller than a pixel."""
-    side = sides(eye.position_m.astype(np.float64), eye.eye_id)
-    return int((side == np.bincount(side[ids[ids >= 0]]).argmax()).sum())
-
-
-def _id_maps(eye: Eye, projection: str | None) -> list[Ids]:
-    if projection == "single_dimension_fast":
-        return [projection_ids(eye, projection)]
-    width, height = projection_size(eye, projection, _PIXELS)
-    ids = projection_ids(eye, projection, width, height)
-    return list(np.split(ids, ids.shape[1] // width, axis=1))
-
-
-def _painted(ids: Ids, values: Floats) -> Floats:
-    return np.concatenate([values, np.full((1, values.shape[1]), np.nan)])[ids]
-
-
-def _rows(entries: list[list[list[_Picture]]]) -> list[list[_Picture]]:
+def _rows(entries: list[list[list[Picture]]]) -> list[list[Picture]]:
     """The pictures of each row of the figure."""
     apart = any(len(pictures) > 1 for entry in entries for pictures in entry)
     if apart:
@@ -288,7 +244,7 @@ def _rows(entries: list[list[list[_Picture]]]) -> list[list[_Picture]]:
 
 
 def _figure(
-    rows: Sequence[Sequence[_Picture]],
+    rows: Sequence[Sequence[Picture]],
     projection: str | None,
     eyes: Sequence[Eye],
     scale: Scale,
@@ -298,12 +254,14 @@ def _figure(
     aspect = 4 if projection == "spherical_split_orientationwise" else aspect_of(projection)
     columns = max(len(row) for row in rows)
     heights = [_WIDTH_MM / (columns if len(row) > 1 else 1) / aspect + 14 for row in rows]
-    heights.append(legend_mm(scale))
+    letters = _LETTERS_OF_SCALE[beside is not None]
+    heights.append(legend_mm(scale, letters))
     figure: Any = load_matplotlib()(
         figsize=(_WIDTH_MM * MM, (sum(heights) + 6) * MM), layout="constrained"
     )
     grid = figure.add_gridspec(len(heights), _UNITS, height_ratios=heights)
-    largest_error = largest(beside) if beside is not None else 1.0
+    drawn_errors = [Shown(_over_channels(each.values)[..., None], ("",)) for each in beside or ()]
+    largest_error = end_of_scale(drawn_errors, _OUTSHINE) if drawn_errors else 1.0
     errors = None
     for k, row in enumerate(rows):
         each = _UNITS // (columns if len(row) > 1 else 1)
@@ -311,7 +269,7 @@ def _figure(
             panel = figure.add_subplot(grid[k, column * each : (column + 1) * each])
             extent = draw_axes(panel, projection, len(eyes[0]), k == len(rows) - 1, column == 0)
             marks = _draw(panel, picture, projection, extent, scale, largest_error)
-            title = textwrap.fill(picture.title, _LETTERS // (_UNITS // each))
+            title = wrapped(picture.title, _LETTERS // (_UNITS // each))
             panel.set_title(title, loc="left")
             if picture.is_error:
                 errors = marks
@@ -321,21 +279,24 @@ def _figure(
     legend = figure.add_subplot(grid[-1, 3:6] if errors is not None else grid[-1, 4:8])
     if not scale.coloured:
         bar = figure.colorbar(values, cax=legend, orientation="horizontal")
-        name_scale(legend, scale.what, scale.full_scale, scale.unit)
+        name_scale(legend, scale.what, scale.full_scale, scale.unit, letters)
+        if scale.cyclic:
+            legend.set_xticks(np.linspace(-scale.full_scale, scale.full_scale, 5))
         bar.outline.set_visible(False)
     else:
-        draw_strips(legend, scale)
+        draw_strips(legend, scale, letters)
     if errors is not None:
         panel = figure.add_subplot(grid[-1, 8:11])
         bar = figure.colorbar(errors, cax=panel, orientation="horizontal")
-        name_scale(panel, "standard error", largest_error, scale.unit)
+        what = f"standard error{cut_off(drawn_errors, largest_error, False, 'larger')}"
+        name_scale(panel, what, largest_error, scale.unit, letters)
         bar.outline.set_visible(False)
     return figure  # type: ignore[no-any-return]
 
 
 def _draw(
     panel: Axes,
-    picture: _Picture,
+    picture: Picture,
     projection: str | None,
     extent: Any,
     scale: Scale,
@@ -350,12 +311,12 @@ def _draw(
     panel.imshow(ground, extent=extent, interpolation="nearest", zorder=0)
     one = values[..., 0]
     limits: dict[str, Any] = {
-        "cmap": _SIGNED_COLOURS if scale.signed else _COLOURS,
+        "cmap": _CYCLIC_COLOURS if scale.cyclic else _SIGNED_COLOURS if scale.signed else _COLOURS,
         "vmin": -scale.full_scale if scale.signed else 0.0,
         "vmax": scale.full_scale,
     }
     if picture.is_error:
-        one = np.sqrt((values**2).mean(axis=-1))
+        one = _over_channels(values)
         limits = {"cmap": _ERROR_COLOURS, "vmin": 0.0, "vmax": largest_error}
     elif scale.coloured:
         coloured = np.zeros((*known.shape, 4))
@@ -364,4 +325,12 @@ def _draw(
         one, limits = coloured, {}
     if limits:
         one = np.ma.masked_invalid(one)
-    return panel.imshow(one, extent=extent, interpolation="nearest", zorder=0.5, **limits)
+    marks = panel.imshow(one, extent=extent, interpolation="nearest", zorder=0.5, **limits)
+    if projection in LISTED:
+        panel.set_aspect("auto")  # the layout has space for the title of what fills its place
+    return marks
+
+
+def _over_channels(errors: Floats) -> Floats:
+    """The root of the mean square."""
+    return np.asarray(np.sqrt((errors**2).mean(axis=-1)))

@@ -4,6 +4,7 @@ it cannot show."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,12 +30,20 @@ def largest(shown: Sequence[Shown]) -> float:
     return most if most > 0 else 1.0
 
 
-def end_of_scale(shown: Sequence[Shown]) -> float:
-    """The largest; where a few outshine all others, what all but a hundredth have."""
+def end_of_scale(shown: Sequence[Shown], outshine: float = 10.0) -> float:
+    """The largest; where a few ``outshine`` all others so many times, what all but a hundredth
+    have."""
     most = largest(shown)
     known = np.abs(_known(shown))
     often = float(np.quantile(known, 0.99)) if known.size else 0.0
-    return often if 0 < 10 * often < most else most
+    return often if 0 < outshine * often < most else most
+
+
+def within_period(shown: Shown, period: float) -> Shown:
+    """Numbers that come back to where they began, from minus half a period to half a period."""
+    with np.errstate(invalid="ignore"):
+        turned = np.mod(shown.values + period / 2, period) - period / 2
+    return replace(shown, values=np.where(np.isinf(shown.values), shown.values, turned))
 
 
 def is_signed(shown: Sequence[Shown]) -> bool:

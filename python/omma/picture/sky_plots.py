@@ -5,7 +5,6 @@ what sky and sun give to level ground.
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,14 +13,24 @@ import numpy as np
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
-from omma.base.directions import azimuth_elevation_deg_of, direction
-from omma.base.figures import COLOURS, GREY, INK, MM, figure_names, figure_style, load_matplotlib
+from omma.base.directions import direction
+from omma.base.figures import (
+    COLOURS,
+    GREY,
+    INK,
+    MM,
+    figure_names,
+    figure_style,
+    load_matplotlib,
+    wrapped,
+)
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.light.bands import Bands
 from omma.light.lights import Light
 from omma.picture.light_titles import light_title
 from omma.picture.neutral_points import neutral_points
+from omma.picture.sky_marks import mark_discs, mark_neutral, shining
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
@@ -51,7 +60,7 @@ def plot_sky(
     twilight; in a sky that was changed or put together, by clouds say, only those with polarised
     light around them. Names are of those above water that lie where the sky's own do, on the
     meridian within 45° of the sun, the moon or the point opposite. A yellow dot is the sun or the
-    moon, where it shines.
+    moon, where it gives a hundredth of what the sky does or more: none behind clouds.
 
     Args:
         paths: .pdf, .svg or .png, one or several.
@@ -70,7 +79,7 @@ def plot_sky(
     with figure_style(max(3.0, 7 * size_mm / 180)):
         called = title or light_title(light)
         if "\n" not in called:
-            called = textwrap.fill(called, _LETTERS)
+            called = wrapped(called, _LETTERS)
         save(_figure(light, bands, called, size_mm), names)
 
 
@@ -127,6 +136,7 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
     inside = from_zenith <= 90
     towards = direction(np.degrees(np.arctan2(east, north)), np.maximum(90 - from_zenith, 0))
     stokes = light.radiance(towards)[:, :, :, bands]
+    discs = shining(light)
     skies = [[figure.add_subplot(grid[row, k]) for k in range(3)] for row in range(len(bands))]
     for row, band in enumerate(bands):
         i, q, u = (np.where(inside, stokes[:, :, k, row], np.nan) for k in range(3))
@@ -137,10 +147,11 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
         _degree(figure, skies[row][1], degree)
         _angle(figure, skies[row][2], np.degrees(np.arctan2(u, q)) / 2, degree)
         for panel in skies[row]:
-            _sky_frame(panel, light)
+            _sky_frame(panel)
+            mark_discs(panel, discs)
         points = neutral_points(light, band)
         for panel in skies[row][1:]:
-            _mark_neutral(panel, points)
+            mark_neutral(panel, points, discs)
     for panel, name in zip(
         skies[0], ("radiance", "degree of polarisation", "angle of polarisation"), strict=True
     ):
@@ -213,46 +224,15 @@ def _bar(figure: Any, image: Any, panel: Any, label: str) -> Any:
     return bar
 
 
-def _mark_neutral(panel: Any, points: list[tuple[str, Floats]]) -> None:
-    for name, towards in points:
-        x, y = _on_map(towards)
-        panel.plot(x, y, "+", color="w", markersize=6, markeredgewidth=1.6)
-        panel.plot(x, y, "+", color=COLOURS[1], markersize=5, markeredgewidth=0.9)
-        # Towards the middle of the map, where no bar of colours is.
-        side = -1 if x > 0.3 else 1
-        panel.annotate(
-            name, (x, y), xytext=(4 * side, 0), textcoords="offset points", fontsize="x-small",
-            va="center", ha="left" if side > 0 else "right", color="w", path_effects=_outline(),
-        )  # fmt: skip
-
-
-def _outline() -> list[Any]:
-    from matplotlib.patheffects import withStroke
-
-    return [withStroke(linewidth=1.4, foreground=INK)]
-
-
-def _sky_frame(panel: Any, light: Light) -> None:
+def _sky_frame(panel: Any) -> None:
     for elevation in (30, 60):
         turn = np.linspace(0, 2 * np.pi, 181)
         r = 1 - elevation / 90
         panel.plot(r * np.sin(turn), r * np.cos(turn), color="w", linewidth=0.3, alpha=0.6)
     for name, x, y in (("N", 0, 1.09), ("E", 1.09, 0), ("S", 0, -1.09), ("W", -1.09, 0)):
         panel.text(x, y, name, ha="center", va="center", fontsize="x-small", color=GREY)
-    for disc in light.discs:
-        if disc.direction[1] > 0 and np.any(disc.radiance > 0):
-            panel.plot(
-                *_on_map(disc.direction), "o", color="#ffd23f", markersize=4, markeredgecolor=INK,
-                markeredgewidth=0.5,
-            )  # fmt: skip
     panel.set(xlim=(-1.17, 1.17), ylim=(-1.17, 1.17), aspect="equal", xticks=[], yticks=[])
     panel.spines[:].set_visible(False)
-
-
-def _on_map(towards: Floats) -> tuple[float, float]:
-    azimuth, elevation = azimuth_elevation_deg_of(towards)
-    r = 1 - float(elevation) / 90
-    return r * float(np.sin(np.radians(azimuth))), r * float(np.cos(np.radians(azimuth)))
 
 
 def _disc_name(light: Light) -> str:
@@ -272,7 +252,10 @@ def _spectra(panel: Any, light: Light) -> None:
         curves.append(("both", sky + discs, INK))
     for name, values, colour in curves:
         if np.any(values > 0):
-            panel.plot(light.bands.centers_nm, values, "o-", color=colour, label=name, markersize=2)
+            # The sum is broad and below its parts, which are seen on it where they are all of it.
+            wide = {"linewidth": 2.6, "markersize": 4, "zorder": 1.5} if name == "both" else {}
+            style = {"markersize": 2, **wide}
+            panel.plot(light.bands.centers_nm, values, "o-", color=colour, label=name, **style)
     # The power of ten beside the unit, not alone above the axis.
     unit = _IRRADIANCE_UNITS[light.unit]
     most = max((float(np.max(values)) for _, values, _ in curves), default=0.0)
