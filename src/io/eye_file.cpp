@@ -13,6 +13,7 @@
 #include "io/decimal_chars.h"
 #include "io/eye_csv.h"
 #include "io/oces.h"
+#include "model/text.h"
 #include "model/unit_axis.h"
 #include "omma/error.h"
 #include "omma/io.h"
@@ -146,9 +147,8 @@ void append(Eye& eye, const LineReader& line, const std::array<double, 8>& value
   // Compared as floats, in which 2 pi is a little more than 2 pi.
   const auto acceptance_rad = static_cast<float>(value[6]);
   if (value[6] < 0 || acceptance_rad > static_cast<float>(2 * pi))
-    line.fail(6, "expected an angle from 0 to 2 pi rad, found " + std::to_string(value[6]));
-  if (value[7] < 0)
-    line.fail(7, "expected an offset of at least 0, found " + std::to_string(value[7]));
+    line.fail(6, "expected an angle from 0 to 2 pi rad, found " + short_text(value[6]));
+  if (value[7] < 0) line.fail(7, "expected an offset of at least 0, found " + short_text(value[7]));
   eye.position_m.push_back(position);
   eye.axis.push_back(axis);
   eye.acceptance_angle_rad.push_back(acceptance_rad);

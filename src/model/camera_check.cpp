@@ -7,6 +7,7 @@
 
 #include "model/camera_check.h"
 #include "model/pose_check.h"
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -55,20 +56,20 @@ void check_picture_camera(const Camera& camera) {
     reach_m += most_stretch(camera.world_from_camera) *
                std::max(std::fabs(camera.xmag_m), std::fabs(camera.ymag_m));
   if (reach_m > most_distance_m)
-    refuse("its rays must start within 1e18 m of the origin, start up to " +
-           std::to_string(reach_m) + " m from it");
+    refuse("its rays must start within 1e18 m of the origin, start up to " + short_text(reach_m) +
+           " m from it");
   switch (camera.type) {
     case CameraType::perspective:
       if (!(camera.yfov_rad > 0 && camera.yfov_rad < pi))
-        refuse("its yfov must lie between 0 and pi, is " + std::to_string(camera.yfov_rad));
+        refuse("its yfov must lie between 0 and pi, is " + short_text(camera.yfov_rad));
       if (!(camera.aspect_ratio >= 0) || !std::isfinite(camera.aspect_ratio))
-        refuse("its aspect ratio must not be negative, is " + std::to_string(camera.aspect_ratio));
+        refuse("its aspect ratio must not be negative, is " + short_text(camera.aspect_ratio));
       return;
     case CameraType::orthographic:
       for (const double mag : {camera.xmag_m, camera.ymag_m})
         if (!std::isfinite(mag) || mag == 0)
-          refuse("its xmag and ymag must be finite and not 0, are " +
-                 std::to_string(camera.xmag_m) + " and " + std::to_string(camera.ymag_m));
+          refuse("its xmag and ymag must be finite and not 0, are " + short_text(camera.xmag_m) +
+                 " and " + short_text(camera.ymag_m));
       return;
     case CameraType::panoramic:
       return;

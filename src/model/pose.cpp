@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/text.h"
 #include "model/transform.h"
 #include "omma/error.h"
 
@@ -15,7 +16,7 @@ bool finite(Vec3d v) {
 }
 
 std::string text(Vec3d v) {
-  return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+  return "(" + short_text(v.x) + ", " + short_text(v.y) + ", " + short_text(v.z) + ")";
 }
 
 void check_finite(const char* function, const char* argument, Vec3d v) {
@@ -53,8 +54,7 @@ Mat4 pose_from_quaternion(Vec3d position_m, double x, double y, double z, double
   if (!finite_parts || !(largest > 0))
     throw Error(
         "pose_from_quaternion: the quaternion (x, y, z, w) must be finite and not zero, is (" +
-        std::to_string(x) + ", " + std::to_string(y) + ", " + std::to_string(z) + ", " +
-        std::to_string(w) + ")");
+        short_text(x) + ", " + short_text(y) + ", " + short_text(z) + ", " + short_text(w) + ")");
   x /= largest;
   y /= largest;
   z /= largest;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "model/text.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -10,7 +11,7 @@ namespace omma {
 void validate_receptor_type(const ReceptorType& type, const std::string& where) {
   const std::string place = where + (type.name.empty() ? "" : " ('" + type.name + "')") + ": ";
   const auto expect = [&](bool good, const std::string& what, double found) {
-    if (!good) throw Error(place + what + ", found " + std::to_string(found));
+    if (!good) throw Error(place + what + ", found " + short_text(found));
   };
   const bool pigment = type.peak_wavelength_nm != 0, table = !type.wavelength_nm.empty();
   if (pigment && table)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "model/text.h"
 #include "omma/error.h"
 #include "omma/rig.h"
 
@@ -71,7 +72,7 @@ void check_animations(const Scene& scene) {
       for (std::size_t k = 0; k < keys; ++k)
         if (!std::isfinite(channel.times_s[k]) ||
             (k > 0 && !(channel.times_s[k] > channel.times_s[k - 1])))
-          check.fail("expected times that grow, found " + std::to_string(channel.times_s[k]) +
+          check.fail("expected times that grow, found " + short_text(channel.times_s[k]) +
                      " s at key " + std::to_string(k));
       std::size_t components = 3;
       if (channel.part == AnimatedPart::rotation) components = 4;
