@@ -23,10 +23,10 @@ from .properties import PROPERTIES
 from .report import eye_summary, eye_table, save_eye_table
 
 __all__ = [
+    "PROPERTIES",
     "AcuteZone",
     "ConvertedEye",
     "EyeMeasures",
-    "PROPERTIES",
     "acceptance_from_facets",
     "acute_angle",
     "acute_zones",
