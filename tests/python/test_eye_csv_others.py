@@ -253,3 +253,37 @@ def test_axes_in_radians_under_names_of_degrees_are_told(tmp_path):
             warnings.simplefilter("always")
             omma.load_eye(path)
         assert ["may be radians" in str(one.message) for one in told] == [True] * is_told
+
+
+@pytest.mark.parametrize("between", [",", ";"])
+@pytest.mark.parametrize("top", ["", "sep=X\n"])
+def test_what_excel_leaves_is_passed_over(tmp_path, whole, between, top):
+    """Rows of which all cells are empty, at the end and between, and its line sep=;."""
+    lines = csv_of().replace(",", between).splitlines()
+    empty = between * 7
+    text = top.replace("X", between) + "\n".join([*lines[:4], empty, *lines[4:], empty, empty, ""])
+    path = tmp_path / "eye.csv"
+    path.write_text(text)
+    assert quiet(path) == whole
+
+
+def test_utf_16_is_told_by_name(tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_bytes("x_m,y_m,z_m\n0,0,0\n".encode("utf-16"))
+    with pytest.raises(omma.Error, match=r"poses\.csv, line 1: .* found UTF-16"):
+        omma.load_poses(path)
+    eye = tmp_path / "eye.csv"
+    eye.write_bytes(csv_of().encode("utf-16"))
+    with pytest.raises(omma.Error, match=r"eye\.csv, line 1: .* found UTF-16"):
+        omma.load_eye(eye)
+
+
+def test_gaps_are_told_of_where_filling_them_helps(tmp_path):
+    """Not where the line of the first gap lacks a position too."""
+    cells = rows()
+    cells[5][ACCEPTANCE], cells[5][1] = "", ""
+    path = tmp_path / "eye.csv"
+    path.write_text(csv_of(cells=cells))
+    with pytest.raises(omma.Error, match="line 7") as caught:
+        omma.load_eye(path)
+    assert "missing_acceptance" not in str(caught.value)

@@ -202,3 +202,21 @@ def test_command_says_what_is_wrong(tmp_path, monkeypatch, run_omma, arguments, 
     assert code == 1
     for word in words:
         assert word in err
+
+
+@pytest.mark.parametrize(
+    ("plot", "message"),
+    [
+        (lambda name, eye: plot_acceptance(name, eye, [40]), "from 0 to 39, found 40"),
+        (lambda name, eye: omma.picture.plot_eye_maps(name, eye, ["size"]), "property: expected"),
+        (lambda name, eye: omma.picture.draw_eye(name, eye, colour="size"), "colour: expected"),
+    ],
+)
+def test_choices_are_checked_before_an_eye_is_measured(tmp_path, monkeypatch, plot, message):
+    def measured(eye):
+        raise AssertionError("measured first")
+
+    for module in ("acceptance_plots", "eye_maps", "drawing"):
+        monkeypatch.setattr(f"omma.picture.{module}.measure_eye", measured)
+    with pytest.raises(omma.Error, match=message):
+        plot(str(tmp_path / "figure.svg"), omma.eye.generate_eye(40))

@@ -100,6 +100,35 @@ def test_wrong_files_are_errors(tmp_path):
             omma.eye.surfaces.load_surface(tmp_path / name)
 
 
+def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path):
+    with pytest.raises(omma.Error, match=r"none\.stl: there is no such file"):
+        omma.eye.surfaces.load_surface(tmp_path / "none.stl")
+
+
+def test_a_mesh_in_another_unit_is_told(tmp_path):
+    vertices, triangles = icosphere(1)
+    lines = [f"v {x} {y} {z}" for x, y, z in 400 * vertices]
+    lines += [f"f {a} {b} {c}" for a, b, c in triangles + 1]
+    (tmp_path / "eye.obj").write_text("\n".join(lines))
+    with pytest.warns(UserWarning, match=r"eye\.obj: 0\.8 m along .* with unit 'mm'"):
+        omma.eye.surfaces.load_surface(tmp_path / "eye.obj")
+    omma.eye.surfaces.load_surface(tmp_path / "eye.obj", "um")
+
+
+def test_directions_that_no_normal_points_in_are_told():
+    vertices, triangles = icosphere(3)
+    whole = omma.eye.surfaces.mesh_surface(1e-3 * vertices, triangles)
+    omma.eye.eye_on_surface(directions(300), whole)
+    front = vertices[triangles].mean(axis=1)[:, 2] < 0
+    half = omma.eye.surfaces.mesh_surface(1e-3 * vertices, triangles[front])
+    d = directions(300)
+    turn = np.arange(8) * D(45)
+    behind = np.stack([np.cos(turn), np.sin(turn), 0.5 + 0 * turn], axis=1)
+    seen = np.concatenate([d[d[:, 2] < -0.3], behind])
+    with pytest.warns(UserWarning, match=f"points as 8 of {len(seen)} directions want it"):
+        omma.eye.eye_on_surface(seen, half)
+
+
 def test_eye_of_directions():
     d = directions(200)
     surface = omma.eye.surfaces.ellipsoid((1e-3, 2e-3, 1e-3))
@@ -271,6 +300,16 @@ def test_facets_are_grouped_for_their_optics():
         (
             lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1), 1, inside=lambda p: p),
             ["inside"],
+        ),
+        (
+            lambda: omma.eye.lay_on_surface(omma.eye.surfaces.sphere(1e-3), 2e-8),
+            ["spacing_m", "200,000", "0.02 µm", "12.6 mm²", "another unit"],
+        ),
+        (
+            lambda: omma.eye.lay_on_surface(
+                omma.eye.surfaces.sphere(1), 0.1, inside=lambda p: p[:, 0] > 2
+            ),
+            ["inside", "holds none of 200,000"],
         ),
         (lambda: omma.eye.facet_diameters_m(omma.Eye([[0, 0, 0]], [[0, 0, 1]], 0)), ["one"]),
         (lambda: omma.eye.set_facets(hexagons(2, 2)[0], 0), ["factor"]),

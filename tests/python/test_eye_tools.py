@@ -165,6 +165,35 @@ def test_an_eye_that_looks_across_the_head_is_told():
     assert (head.select(1).position_m == ahead.position_m).all()
 
 
+def test_a_head_of_both_sides_makes_no_pair():
+    head = omma.eye.pair_of_eyes(omma.eye.place_on_head(make_eye(30), (2e-3, 0, 0)))
+    with pytest.raises(omma.Error, match="eye_id 0 on the left and 1 on the right"):
+        omma.eye.pair_of_eyes(head)
+    assert len(omma.eye.pair_of_eyes(head.select(0))) == 60
+    # Two parts of one side are one eye there.
+    parts = head.select(1).replace(eye_id=np.arange(30) % 2)
+    assert omma.eye.pair_of_eyes(parts).eye_id.tolist() == [0] * 30 + [1] * 30
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda eye: omma.eye.set_acceptance(eye, angle_rad=2.6), "acceptance_angle_rad"),
+        (lambda eye: omma.eye.set_acceptance(eye, factor=57.3), "acceptance_angle_rad"),
+        (lambda eye: omma.eye.place_on_head(eye, (1, 2, 3)), "position_m: 3.742 m"),
+        (lambda eye: omma.eye.split_eye(eye, 3.0), "shift_m: 3 m .* 3 mm"),
+        (lambda eye: omma.eye.rescale_eye(eye, 1000), "position_m"),
+    ],
+)
+def test_changes_tell_of_numbers_that_no_animal_has(change, told):
+    eye = make_eye(30).replace(acceptance_angle_rad=0.05)
+    with pytest.warns(UserWarning, match=told) as caught:
+        changed = change(eye)
+    assert len(caught) == 1
+    # What the eye had before is not told again.
+    omma.eye.place_on_head(changed, yaw_deg=0)
+
+
 def test_placed_as_a_pose_says():
     ahead = omma.Eye([[0, 0, -1e-3]], [[0, 0, -1]], 0.1, up=[[0, 1, 0]])
     right = omma.eye.place_on_head(ahead, (0, 2e-3, 0), yaw_deg=90)

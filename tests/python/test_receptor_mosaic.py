@@ -143,14 +143,33 @@ def test_a_dorsal_rim_has_orthogonal_channels_in_a_fan():
     ("types", "message"),
     [
         ((), "at least one OmmatidiumType"),
-        ((omma.receptors.OmmatidiumType("a", (), -1),), "abundances of at least 0"),
         ((omma.receptors.OmmatidiumType("a", (), 0),), "not all 0"),
-        ((omma.receptors.OmmatidiumType("a", (), np.nan),), "abundances of at least 0"),
     ],
 )
 def test_wrong_types_are_named(types, message):
     with pytest.raises(omma.Error, match=message):
         omma.receptors.assign_receptors(round_eye(5), types)
+
+
+GREEN = omma.receptors.ReceptorType("g", peak_wavelength_nm=500)
+
+
+@pytest.mark.parametrize(
+    ("receptors", "abundance", "message"),
+    [
+        ((), -1, "abundance: expected a number of at least 0, found -1"),
+        ((GREEN,), np.nan, "abundance: expected"),
+        ((GREEN,), "half", "abundance: expected"),
+        (GREEN, 1, "receptors: expected a tuple of"),
+        ((GREEN, "uv"), 1, "receptors: expected a tuple of"),
+        ("uv", 1, "receptors: expected a tuple of"),
+        (None, 1, "receptors: expected a tuple of"),
+    ],
+)
+def test_a_type_that_is_none_is_refused_where_it_is_made(receptors, abundance, message):
+    with pytest.raises(omma.Error, match=message):
+        omma.receptors.OmmatidiumType("a", receptors, abundance)
+    assert omma.receptors.OmmatidiumType("a", [GREEN]).receptors == (GREEN,)
 
 
 def test_wrong_arguments_are_named():

@@ -243,6 +243,20 @@ def test_pooling_is_a_weighted_mean():
         omma.eye.superposition.pool(responses[:, :3], wiring)
 
 
+def test_responses_of_another_eye_are_not_pooled():
+    eye, _ = fly_eye(steps=5)
+    fly = omma.eye.superposition.fly_receptors(eye)
+    count = len(fly.receptor_type)
+    wiring = omma.eye.superposition.neural_superposition_wiring(fly)
+    assert wiring.responses == count
+    assert omma.eye.superposition.pool(np.ones(count), wiring).shape == (len(eye),)
+    for other in (count + 8, count - 1):
+        with pytest.raises(omma.Error, match=f"expected {count} along axis -1.*found {other}"):
+            omma.eye.superposition.pool(np.ones(other), wiring)
+    with pytest.raises(omma.Error, match="responses: expected at least 3, as index says, found 2"):
+        omma.eye.superposition.Wiring([0, 1], [2], [1.0], 2)
+
+
 def test_receptors_to_pool_are_chosen_by_name_and_reach():
     eye, _ = fly_eye(steps=6)
     fly = omma.eye.superposition.fly_receptors(eye)

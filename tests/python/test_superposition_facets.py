@@ -173,7 +173,7 @@ def test_receptor_wiring_says_what_lacks():
     with pytest.raises(omma.Error, match="views: expected receptors, found none; give them"):
         omma.eye.superposition.receptor_wiring(views, wiring)
     views, wiring = omma.eye.superposition.superposition_facets(moth())
-    with pytest.raises(omma.Error, match=f"views: expected at least {len(views)}, found 3"):
+    with pytest.raises(omma.Error, match=f"views: expected {len(views)}, .*found 3"):
         omma.eye.superposition.receptor_wiring(views.take([0, 1, 2]), wiring)
     count = len(views)
     mixed = omma.eye.superposition.Wiring([0, count], np.arange(count), np.ones(count))

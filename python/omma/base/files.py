@@ -56,6 +56,11 @@ def open_text(path: PathLike) -> io.TextIOWrapper:
         omma.Error: it is no regular file (a pipe may never end), cannot be read or is not UTF-8.
     """
     data = _core.read_file(path)
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise Error(
+            f"{os.fsdecode(path)}, line 1: expected UTF-8 text, found UTF-16 by its byte-order "
+            'mark; save it as "CSV UTF-8"'
+        )
     try:
         data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

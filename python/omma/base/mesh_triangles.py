@@ -7,6 +7,7 @@ import os
 import numpy as np
 from numpy.typing import NDArray
 
+from omma import _core
 from omma._core import Error
 from omma.base.obj_files import read_obj
 from omma.base.optional import needs
@@ -31,6 +32,7 @@ def triangles_of_file(path: str) -> tuple[NDArray[np.float64], NDArray[np.int64]
 
 
 def _by_trimesh(path: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    _core.read_file(path)  # the engine tells of what is not there or no file
     trimesh = needs("trimesh", "meshes", "load_surface: needs trimesh")
     try:
         mesh = trimesh.load_scene(path).to_mesh()

@@ -13,8 +13,8 @@ from omma.cli.eye_files import EyeArgument, OutOption, UnitOption, save
 from omma.cli.numbers import above_zero, acceptance_angle, numbers_of
 from omma.cli.parameters import option, switch
 from omma.cli.working import warn, working
-from omma.eye.change import convert_eye
 from omma.eye.files import OCES_SUFFIXES, eye_file_losses, load_eye
+from omma.eye.old_files import convert_eye
 from omma.eye.scans import import_lens_cone, import_oda
 
 CONVERT_HELP = """

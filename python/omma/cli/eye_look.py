@@ -155,6 +155,7 @@ def plot(
         raise Error("plot: expected either eye files or --species")
     if what == "3d" and prop is not None and len(prop) > 1:
         raise Error("--property: expected one for --what 3d, found " + str(len(prop)))
+    chosen = None if ommatidium is None else [_chosen(text) for text in ommatidium]
     with working() as bar:
         animal = None
         if species is not None:
@@ -173,7 +174,6 @@ def plot(
         elif what == "map":
             plot_eye_maps(names, head, prop, projection=projection, title=title, progress=bar.show)
         elif what == "acceptance":
-            chosen = None if ommatidium is None else [_chosen(text) for text in ommatidium]
             with as_named(ommatidia="ommatidium"):
                 plot_acceptance(names, head, chosen, title=title)
         elif animal is not None:

@@ -121,7 +121,7 @@ def make(
         option("Where its centre is (right, up, back), in mm.", "X Y Z", finite),
     ] = None,
     mesh: Annotated[
-        Path | None, option("Surface from a file: .gltf, .glb, .obj or .stl.", "FILE")
+        Path | None, option("Surface from a file: .gltf, .glb, .obj, .ply or .stl.", "FILE")
     ] = None,
     facet_um: Annotated[
         float | None, option("Lay facets this wide over the surface, in µm.", "UM", above_zero)

@@ -58,5 +58,5 @@ def cartridge_wiring(columns: Columns, equator: int = 0) -> tuple[Wiring, list[s
     target, facet_of, number_of = np.array(sorted(found), np.int64).reshape(-1, 3).T
     first = np.searchsorted(target, np.arange(len(keys) + 1)).astype(np.int64)
     names = list(TRAPEZOID)
-    wiring = Wiring(first, np.ascontiguousarray(facet_of), np.ones(len(target)))
+    wiring = Wiring(first, np.ascontiguousarray(facet_of), np.ones(len(target)), len(keys))
     return wiring, [names[k] for k in number_of.tolist()]

@@ -146,7 +146,7 @@ class ColumnRenderer:
         self.wiring, _ = cartridge_wiring(self.columns, equator)
         # Of what is rendered for R1 to R6, which comes in the order of the cartridges.
         index = np.arange(len(self.wiring.index))
-        self._pooled = Wiring(self.wiring.first, index, self.wiring.weight)
+        self._pooled = Wiring(self.wiring.first, index, self.wiring.weight, len(index))
         self.renderer = Renderer(world, _with_cartridges(eye, self.wiring), sampling, **options)
 
     def __repr__(self) -> str:

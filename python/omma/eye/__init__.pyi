@@ -2,8 +2,6 @@ from . import angles, hexagonal, lattice, scans, skew, superposition, surfaces
 from .acceptance_files import load_acceptance
 from .angles import acute_angle, window
 from .change import (
-    ConvertedEye,
-    convert_eye,
     join_eyes,
     merge_eyes,
     mirror_eye,
@@ -19,15 +17,16 @@ from .files import eye_file_heads, eye_file_losses
 from .hexagonal import hexagonal_coordinates
 from .lattice import azimuth_elevation_deg_of, direction, lay_directions
 from .measures import EyeMeasures, measure_eye
+from .old_files import ConvertedEye, convert_eye
 from .on_surface import eye_on_surface, lay_on_surface
 from .properties import PROPERTIES
 from .report import eye_summary, eye_table, save_eye_table
 
 __all__ = [
+    "PROPERTIES",
     "AcuteZone",
     "ConvertedEye",
     "EyeMeasures",
-    "PROPERTIES",
     "acceptance_from_facets",
     "acute_angle",
     "acute_zones",

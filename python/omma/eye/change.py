@@ -1,5 +1,4 @@
-"""Eyes changed: rescaled, split in two, mirrored, put on a head, given other acceptance angles, or
-read from old files.
+"""Eyes changed: rescaled, split in two, mirrored, put on a head, given other acceptance angles.
 
 Eyes are values: each function returns a new one that keeps every property it does not change. What
 CompoundRay's own scripts do differently is said at each.
@@ -7,9 +6,7 @@ CompoundRay's own scripts do differently is said at each.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,16 +16,16 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, positive
 from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
-from omma.base.files import PathLike, metres_per_unit, open_text
 from omma.base.poses import poses_from_angles
 from omma.base.renamed import renamed_arguments
-from omma.base.values import value_class
 from omma.base.warn import warn_caller
-from omma.eye.files import slips_in
+from omma.eye.files import changed_told
 
 # What counts as in the middle: of the mean x of an eye of size 1, and of the mean of unit axes. And
 # how far to the other side than it sits an eye looks that is hardly meant.
 _MIDDLE, _LOOKS_ACROSS = 0.1, 0.3
+# No animal's eye sits further from the middle of its head: the radius of the largest eyes.
+_FARTHEST_M = 0.1
 
 
 @checked
@@ -59,6 +56,9 @@ def rescale_eye(
     Raises:
         omma.Error: neither or both given, not above 0, or a mean radius for an eye all of whose
             ommatidia are at the origin.
+
+    Warns:
+        UserWarning: numbers that no animal has, which the eye had not before.
     """
     if (factor is None) == (mean_radius_m is None):
         raise Error("rescale_eye: expected either factor or mean_radius_m")
@@ -71,7 +71,8 @@ def rescale_eye(
     assert factor is not None
     positive(factor, "factor")
     lengths = ("position_m", "focal_offset_m", "facet_diameter_m", "aperture_diameter_m")
-    return eye.replace(**{name: getattr(eye, name).astype(np.float64) * factor for name in lengths})
+    scaled = {name: getattr(eye, name).astype(np.float64) * factor for name in lengths}
+    return changed_told(eye, eye.replace(**scaled))
 
 
 @checked
@@ -87,6 +88,9 @@ def split_eye(eye: Eye, shift_m: float = 0.0, overlap_m: float = 0.0) -> Eye:
 
     Raises:
         omma.Error: a negative overlap, a shift that is not finite, nothing on one side.
+
+    Warns:
+        UserWarning: a shift of more than 10 cm.
     """
     if not np.isfinite(shift_m):
         raise Error(f"shift_m: expected a finite length, found {shift_m}")
@@ -105,14 +109,16 @@ def split_eye(eye: Eye, shift_m: float = 0.0, overlap_m: float = 0.0) -> Eye:
     is_right = np.repeat([0, 1], [len(left), len(right)])
     position = eye.position_m[both].astype(np.float64)
     position[:, 0] += np.where(is_right == 1, shift_m, -shift_m)
+    _tell_of_place(abs(shift_m), "split_eye: shift_m")
     return eye.take(both).replace(position_m=position, eye_id=is_right)
 
 
 @checked
 def mirror_eye(eye: Eye) -> Eye:
-    """The mirror image of an eye, left for right: x becomes -x.
+    """The mirror image of an eye, or of a head, left for right: x becomes -x.
 
-    Angular sensitivities, microvilli and the offsets of receptors are mirrored too.
+    Angular sensitivities, microvilli and the offsets of receptors are mirrored too. ``eye_id``
+    stays with the ommatidia: of a head whose eye 0 is the left one, eye 0 is the right one then.
     """
     return merge_eyes([(eye, np.diag([-1.0, 1.0, 1.0, 1.0]))]).replace(eye_id=eye.eye_id)
 
@@ -133,9 +139,13 @@ def pair_of_eyes(eye: Eye) -> Eye:
         >>> len(head)
         100
 
+    Raises:
+        omma.Error: a head that has eyes on both sides already.
+
     Warns:
         UserWarning: the eye sits on one side and looks to the other.
     """
+    _expect_one_side(eye)
     image = mirror_eye(eye)
     left = is_left(eye)
     sits, looks = _sides(eye)
@@ -147,6 +157,22 @@ def pair_of_eyes(eye: Eye) -> Eye:
             UserWarning,
         )
     return merge_eyes([eye, image] if left else [image, eye])
+
+
+def _expect_one_side(eye: Eye) -> None:
+    """omma.Error where an eye has several, some on the left and some on the right."""
+    sides: dict[int, list[int]] = {-1: [], 1: []}
+    for one in np.unique(eye.eye_id).tolist():
+        sits, looks = _sides(eye.select(one))
+        side = int(np.sign(sits or looks))
+        if side:
+            sides[side].append(one)
+    if sides[-1] and sides[1]:
+        left, right = (", ".join(map(str, sides[side][:3])) for side in (-1, 1))
+        raise Error(
+            "pair_of_eyes: expected an eye of one side, found a head with both: eye_id "
+            f"{left} on the left and {right} on the right; eye.select takes one of them"
+        )
 
 
 def is_left(eye: Eye) -> bool:
@@ -183,9 +209,22 @@ def place_on_head(
 
     Raises:
         omma.Error: a position or angle that is none.
+
+    Warns:
+        UserWarning: a position more than 10 cm from the head's origin.
     """
     head_from_eye = poses_from_angles(position_m, (yaw_deg, pitch_deg, roll_deg))[0]
+    _tell_of_place(float(np.linalg.norm(head_from_eye[:3, 3])), "place_on_head: position_m")
     return merge_eyes([(eye, head_from_eye)]).replace(eye_id=eye.eye_id)
+
+
+def _tell_of_place(length_m: float, name: str) -> None:
+    if length_m > _FARTHEST_M:
+        warn_caller(
+            f"{name}: {length_m:.4g} m is further than any animal's eye sits from the middle of "
+            f"its head ({_FARTHEST_M:g} m); {length_m:.4g} mm would be {length_m * 1e-3:.4g} m",
+            UserWarning,
+        )
 
 
 @checked
@@ -229,6 +268,9 @@ def set_acceptance(
     Raises:
         omma.Error: none or several rules, a number out of range, two axes of one eye that are the
             same (for the rules that look at the nearest), an eye of one ommatidium.
+
+    Warns:
+        UserWarning: numbers that no animal has, which the eye had not before.
     """
     given = [angle_rad is not None, factor is not None, ratio is not None]
     if sum([*given, non_overlapping, compoundray_maximal]) != 1:
@@ -249,7 +291,7 @@ def set_acceptance(
         _check_neighbours(angle, "angle to the nearest axis")
         if compoundray_maximal:
             angle = 2 * (angle - angle[nearest] / 2)
-    return eye.replace(acceptance_angle_rad=angle)
+    return changed_told(eye, eye.replace(acceptance_angle_rad=angle))
 
 
 def _check_neighbours(angle: Floats, what: str) -> None:
@@ -277,117 +319,3 @@ def _nearest_axis(eye: Eye) -> tuple[NDArray[np.intp], Floats]:
             nearest[rows] = members[np.argmax(cosine, axis=1)]
     chord = np.linalg.norm(axis - axis[nearest], axis=1)
     return nearest, angle_of_chord(chord)
-
-
-@value_class
-@dataclass(frozen=True, eq=False, repr=False)
-class ConvertedEye:
-    """An eye from an old file, and what was assumed, dropped or looks wrong, a sentence each."""
-
-    eye: Eye
-    columns: int
-    notes: tuple[str, ...]
-
-
-@checked
-def convert_eye(path: PathLike, unit: str | float = "mm", *, degrees: bool = False) -> ConvertedEye:
-    """Read an `.eye` file of another age, with 7, 8 or 9 columns; `omma.save_eye` writes it anew.
-
-    Columns 1 to 7 are position x y z, axis x y z and acceptance angle in all of them. Today's files
-    have the focal offset as column 8. CompoundRay's early files have 7: no offset, rays start at
-    the position, so it becomes 0. Of 9 columns the first 8 are taken for today's, which is how
-    CompoundRay reads such a file; the ninth is dropped. Its meaning is not on record.
-
-    Args:
-        unit: unit of lengths: "mm", "um", "m" or a number of metres.
-        degrees: column 7 holds degrees, as some early tools expected, instead of radians.
-
-    Raises:
-        omma.Error: the file cannot be read, a line has another number of columns than the first or
-            something that is no number, or what the columns say is no eye.
-    """
-    name = os.fsdecode(path)
-    table = _read_table(name)
-    columns = table.shape[1]
-    if columns not in (7, 8, 9):
-        raise Error(f"{name}, line 1: expected 7, 8 or 9 columns, found {columns}")
-    notes = list(_column_notes(table))
-    angle = np.radians(table[:, 6]) if degrees else table[:, 6]
-    if degrees:
-        notes.append("Assumed: the acceptance angles of column 7 are degrees; written as radians.")
-    elif angle.max() > 2 * np.pi:
-        raise Error(
-            f"{name}: expected acceptance angles (column 7) from 0 to 2 pi rad, found "
-            f"{angle.max():.6g}; are they degrees?"
-        )
-    elif angle.max() > 1:
-        notes.append(
-            f"Assumed: the acceptance angles of column 7 are radians. The largest is "
-            f"{angle.max():.4g} rad ({np.degrees(angle.max()):.4g}°): if they are degrees, "
-            "say so when converting."
-        )
-    offset = table[:, 7] if columns > 7 else np.zeros(len(table))
-    metres = metres_per_unit(unit)
-    turned = np.array([1, 1, -1])  # the file's z points ahead, ours backwards
-    try:
-        eye = Eye(
-            table[:, 0:3] * turned * metres,
-            table[:, 3:6] * turned,
-            angle,
-            offset * metres,
-        )
-    except Error as error:
-        raise Error(f"{name}: {error}") from None
-    notes += [f"{sentence}." for sentence in slips_in(eye)]
-    return ConvertedEye(eye, columns, tuple(notes))
-
-
-def _column_notes(table: Floats) -> tuple[str, ...]:
-    columns = table.shape[1]
-    if columns == 7:
-        return (
-            "Assumed: focal offset 0 (the file has 7 columns and no offset): rays start at the "
-            "positions.",
-        )
-    if columns == 8:
-        return ("Nothing to convert: the file has today's 8 columns already.",)
-    ninth = table[:, 8]
-    values = (
-        f"all {ninth[0]:.6g}"
-        if np.ptp(ninth) == 0
-        else f"{ninth.min():.6g} to {ninth.max():.6g}, {len(np.unique(ninth))} different"
-    )
-    return (
-        f"Lost: column 9 ({values}); today's format cannot hold it.",
-        "Assumed: columns 7 and 8 are acceptance angle and focal offset, as CompoundRay reads a "
-        "file of 9 columns.",
-    )
-
-
-def _read_table(name: str) -> Floats:
-    rows: list[list[float]] = []
-    first = 0
-    for number, line in enumerate(open_text(name), start=1):
-        words = line.split("#")[0].replace(",", " ").split()
-        if not words:
-            continue
-        first = first or number
-        if rows and len(words) != len(rows[0]):
-            raise Error(
-                f"{name}, line {number}: expected {len(rows[0])} columns as in line {first}, "
-                f"found {len(words)}"
-            )
-        rows.append([_number(word, f"{name}, line {number}") for word in words])
-    if not rows:
-        raise Error(f"{name}: expected at least one ommatidium, found none")
-    return np.array(rows)
-
-
-def _number(word: str, where: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = float("nan")
-    if not np.isfinite(value):
-        raise Error(f"{where}: expected a finite number, found {word!r:.24}")
-    return value

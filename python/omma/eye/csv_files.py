@@ -28,6 +28,8 @@ from omma.eye.alike_columns import instead_of_needed, left_unread
 # Of how many nearest ommatidia a gap is filled.
 _NEAREST = 6
 _ACCEPTANCE = "acceptance_angle_"
+# What Excel reads in the first line of a file.
+_SEPARATOR = re.compile(r"sep=.?", re.IGNORECASE)
 
 
 @dataclass
@@ -88,7 +90,7 @@ def load_csv(path: PathLike, *, fill_gaps: bool) -> Eye:
     header = _header(path)
     between = "," if "," in header else separator_of(header)
     try:
-        if between == "," and not fill_gaps:
+        if between == "," and not fill_gaps and not _has_rests(path):
             eye = _core.load_eye(path, 1e-3, "")
         else:
             eye = _read_anew(_read(path, between), name, fill_gaps)
@@ -99,14 +101,24 @@ def load_csv(path: PathLike, *, fill_gaps: bool) -> Eye:
     return eye
 
 
+def _is_rest(line: str) -> bool:
+    """Whether a line is what Excel leaves: `sep=;` at the top, or a row whose cells are empty."""
+    return _SEPARATOR.fullmatch(line.strip()) is not None or (
+        bool(line.strip()) and not line.strip(" \t\r\n,;")
+    )
+
+
+def _has_rests(path: PathLike) -> bool:
+    return any(_is_rest(line) for line in open_text(path))
+
+
 def _header(path: PathLike) -> str:
-    """The first line that is no comment; "" where there is none or the file cannot be read, of
-    which the engine's reader tells."""
-    try:
-        lines = open_text(path)
-    except Error:
-        return ""
-    return next((one.strip() for one in lines if one.strip() and not one.startswith("#")), "")
+    """The first line that is no comment; "" where there is none."""
+    return next((one.strip() for one in open_text(path) if _is_header(one)), "")
+
+
+def _is_header(line: str) -> bool:
+    return bool(line.strip()) and not line.startswith("#") and not _is_rest(line)
 
 
 def _cells(line: str, between: str) -> list[str]:
@@ -119,17 +131,16 @@ def _cells(line: str, between: str) -> list[str]:
 
 def _read(path: PathLike, between: str) -> _Table:
     lines = list(open_text(path))
-    first = next(
-        (k for k, one in enumerate(lines) if one.strip() and not one.startswith("#")), len(lines)
-    )
+    first = next((k for k, one in enumerate(lines) if _is_header(one)), len(lines))
+    before = [one if one.startswith("#") else "\n" for one in lines[:first]]
     records, begins = [], []
     for line, cells in _records(lines[first:], between, os.fsdecode(path), first):
-        if cells:
+        if any(cell.strip() for cell in cells):
             records.append([cell.strip() for cell in cells])
             begins.append(line)
     if not records:
         raise Error(f"{os.fsdecode(path)}: expected a header, found none")
-    return _Table("".join(lines[:first]), records, begins, between)
+    return _Table("".join(before), records, begins, between)
 
 
 def _records(
@@ -150,6 +161,11 @@ def _records(
 
 def _read_anew(table: _Table, name: str, fill_gaps: bool) -> Eye:
     gaps = table.gaps() if fill_gaps else []
+    return _filled(_read_copy(table, name, gaps), gaps)
+
+
+def _read_copy(table: _Table, name: str, gaps: list[int]) -> Eye:
+    """The eye as the engine reads it, with 0 in the gaps."""
     try:
         with tempfile.TemporaryDirectory(prefix="omma-eye-") as folder:
             copy = os.path.join(folder, "eye.csv")
@@ -161,7 +177,7 @@ def _read_anew(table: _Table, name: str, fill_gaps: bool) -> Eye:
                 raise Error(str(error).replace(copy, name)) from None
     except OSError as error:
         raise Error(f"{name}: cannot be written anew: {error.strerror}: {error.filename}") from None
-    return _filled(eye.replace(path=name), gaps)
+    return eye.replace(path=name)
 
 
 def _filled(eye: Eye, gaps: list[int]) -> Eye:
@@ -194,6 +210,15 @@ def _filled(eye: Eye, gaps: list[int]) -> Eye:
     return eye.replace(acceptance_angle_rad=angle, acceptance=own)
 
 
+def _reads_filled(table: _Table, gaps: list[int]) -> bool:
+    """Whether the gaps are all that is wrong with a file."""
+    try:
+        _read_copy(table, "", gaps)
+    except Error:
+        return False
+    return True
+
+
 def _hint(path: PathLike, between: str, message: str) -> str:
     """What may help a file that was refused, for the end of the error."""
     try:
@@ -201,7 +226,7 @@ def _hint(path: PathLike, between: str, message: str) -> str:
     except Error:
         return ""
     gaps = table.gaps()
-    if gaps and re.search(rf"line {table.lines[1 + gaps[0]]}\b", message):
+    if gaps and _reads_filled(table, gaps):
         return (
             f"; {len(gaps):,} of {len(table.records) - 1:,} ommatidia lack one: "
             'load_eye(missing_acceptance="neighbours"), or omma eye convert --missing-acceptance '

@@ -119,6 +119,16 @@ def _other_width(eye: Eye) -> list[str]:
     return []
 
 
+def changed_told(before: Eye, changed: Eye) -> Eye:
+    """The changed eye; the caller of the package is told which of its numbers no animal has, as
+    where an eye is made, but for those that it had before."""
+    known = _core.unusual_of(before)
+    for sentence in _core.unusual_of(changed):
+        if sentence not in known:
+            warn_caller(f"{changed.path or 'eye'}: {sentence}", UserWarning)
+    return changed
+
+
 def _without_width(eye: Eye) -> list[str]:
     """What there is to tell of acceptance angles of 0 beside others, which are gaps of a table,
     mostly. Where all are 0, rays are meant."""

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Flags, Floats
-from omma.base.directions import normalized
+from omma.base.directions import angle_of_chord, normalized
 from omma.base.progress import Stage
+from omma.base.warn import warn_caller
 from omma.eye.facets import set_facets
 from omma.eye.relaxation import Domain, Region, grown, started
 from omma.eye.skew import NormalOf, vectors_of
@@ -26,6 +27,11 @@ from omma.eye.surfaces import Surface
 AxisAt = Callable[[Floats, Floats], ArrayLike]
 
 _PIECE = 4096  # directions whose positions are looked for at once
+# As of `lay_directions`.
+_MOST = 200_000
+# Where a surface has a normal that points in a direction, the one found is closer to it: on meshes
+# of ellipsoids six times as long as wide 1.2 degrees off at most.
+_ASTRAY_RAD = math.radians(2)
 
 
 @checked
@@ -51,6 +57,10 @@ def eye_on_surface(
     Raises:
         omma.Error: directions, normals or a ratio that are none; several lenses at one position, as
             on a mesh without curvature.
+
+    Warns:
+        UserWarning: normals that no part of a mesh has; those ommatidia sit where its normal is the
+            nearest.
     """
     axes = vectors_of(directions, "directions")
     normals = axes if normal is None else vectors_of(normal(axes), "normal", len(axes))
@@ -60,6 +70,7 @@ def eye_on_surface(
     for start in range(0, len(axes), _PIECE):
         tell("placing ommatidia", start / len(axes))
         positions.append(surface.point_of_normal(normals[start : start + _PIECE]))
+    _tell_of_astray(normals, surface.normals(np.concatenate(positions)))
     tell("measuring neighbours", None)
     return _finished(Eye(np.concatenate(positions), axes, 0.0, 0.0, eye_id), acceptance_ratio)
 
@@ -91,7 +102,8 @@ def lay_on_surface(
         seed, progress: as for `lay_directions`.
 
     Raises:
-        omma.Error: an argument out of range, a spacing too wide for the surface.
+        omma.Error: an argument out of range, a spacing too wide for the surface or so narrow that
+            there would be more than 200,000 lenses; ``inside`` holds nothing of the surface.
     """
     random, tell = started(count, seed, progress)
     scale = 1.0
@@ -100,15 +112,7 @@ def lay_on_surface(
         return scale * _spacings(spacing_m, points)
 
     def sees(points: Floats) -> Flags:
-        seen = np.ones(len(points), bool)
-        if inside is not None:
-            given = np.asarray(inside(points))
-            if given.shape != (len(points),) or given.dtype != np.bool_:
-                raise Error(
-                    f"inside: expected truth values of shape ({len(points)},), found "
-                    f"{given.dtype} of shape {given.shape}"
-                )
-            seen = given
+        seen = np.ones(len(points), bool) if inside is None else _inside(inside, points)
         edge = surface.to_edge(points)
         # Facets reach half a spacing beyond their middle.
         return seen if edge is None else seen & (edge >= 0.5 * spacing(points))
@@ -122,6 +126,8 @@ def lay_on_surface(
         return np.asarray(both / spacing(points)[:, None, None])
 
     samples, area = surface.samples(200_000)
+    if inside is not None and not _inside(inside, samples).any():
+        raise Error(f"inside: holds none of {len(samples):,} points all over the surface")
     total = 0.0
     # How much of the surface whole facets cover depends on their size.
     for _ in range(4):
@@ -134,6 +140,12 @@ def lay_on_surface(
             break
         scale *= math.sqrt(total / count)
     wanted = count or round(total)
+    if wanted > _MOST:
+        raise Error(
+            f"spacing_m: expected at most {_MOST:,} facets, found {total:.3g}: the surface has "
+            f"{area.sum() * 1e6:.3g} mm² of which they would be "
+            f"{spacing(samples).min() * 1e6:.3g} µm or more wide; is one of them in another unit?"
+        )
     if len(samples) < 10 * wanted:
         samples, area = surface.samples(20 * wanted)
         fraction = area * 2 / (math.sqrt(3) * spacing(samples) ** 2)
@@ -149,6 +161,29 @@ def lay_on_surface(
     normals = surface.normals(points)
     axes = normals if axis is None else vectors_of(axis(points, normals), "axis", len(points))
     return _finished(Eye(points, axes, 0.0), acceptance_ratio)
+
+
+def _tell_of_astray(wanted: Floats, found: Floats) -> None:
+    """Tell the caller of the package of normals that a surface has nowhere."""
+    off = angle_of_chord(np.linalg.norm(normalized(wanted) - found, axis=1))
+    astray = int((off > _ASTRAY_RAD).sum())
+    if astray:
+        warn_caller(
+            f"eye_on_surface: no normal of the surface points as {astray:,} of {len(off):,} "
+            "directions want it; those ommatidia sit where it is nearest, up to "
+            f"{math.degrees(off.max()):.3g}° off",
+            UserWarning,
+        )
+
+
+def _inside(inside: Callable[[Floats], ArrayLike], points: Floats) -> Flags:
+    given = np.asarray(inside(points))
+    if given.shape != (len(points),) or given.dtype != np.bool_:
+        raise Error(
+            f"inside: expected truth values of shape ({len(points)},), found {given.dtype} of "
+            f"shape {given.shape}"
+        )
+    return given
 
 
 def _finished(eye: Eye, acceptance_ratio: float) -> Eye:

@@ -72,6 +72,11 @@ _OF_NEIGHBOURS: dict[str, Callable[[EyeMeasures], Flags]] = {
 PROPERTIES: tuple[str, ...] = (*_KNOWN, "eye")
 
 
+def expect_property(eye: Eye, name: str, argument: str = "property") -> None:
+    """omma.Error where an eye has no such property: before it is measured, which may take long."""
+    one_of(name, [*PROPERTIES, *eye.columns], argument)
+
+
 def eye_property(
     eye: Eye, measures: EyeMeasures, name: str, argument: str = "property"
 ) -> EyeProperty:
@@ -82,7 +87,7 @@ def eye_property(
     Raises:
         omma.Error: there is no such property.
     """
-    one_of(name, [*PROPERTIES, *eye.columns], argument)
+    expect_property(eye, name, argument)
     if name in _KNOWN:
         what, unit, values = _KNOWN[name]
         found = values(measures)

@@ -1,5 +1,5 @@
-"""Lenses and tips of crystalline cones marked in a scan: which belong to which eye of the head, and
-which tip to which lens."""
+"""Lenses and tips of crystalline cones marked in a scan: which belong to which eye of the head,
+which tip to which lens, and whether the axes so made point out of the head."""
 
 from __future__ import annotations
 
@@ -22,6 +22,10 @@ _APART = 4.0
 _LEAST_POINTS, _LEAST_FRACTION = 12, 0.1
 
 _MOST_ROUNDS = 20  # of fitting and matching; a few are usual
+
+# Lenses and tips are swapped where more than this share of axes points into the head, and lenses
+# are closer together than tips by more than marks set by hand are off.
+_SWAPPED_INWARD, _SWAPPED_NARROWER = 0.9, 0.99
 
 
 def split_eyes(lens: Floats, cone: Floats, right: Floats) -> tuple[Ints, Ints]:
@@ -147,3 +151,34 @@ def _assign(predicted: Floats, cone: Floats, tree: cKDTree) -> tuple[Ints, Ints]
             continue
         order = np.argsort(lens)
         return lens[order].astype(np.int64), matched[order].astype(np.int64)
+
+
+def checked_outward(lens: Floats, tip: Floats, of_eye: str) -> list[str]:
+    """What there is to note of axes from tips to lenses, of one eye, that point into the head.
+
+    Raises:
+        omma.Error: lenses and cones are swapped.
+    """
+    inward = ((lens - tip) * (sphere_centre(lens) - lens)).sum(axis=1) > 0
+    # Axes that come together have lenses closer to each other than tips.
+    narrower = np.sqrt(np.var(lens, axis=0).sum() / np.var(tip, axis=0).sum())
+    if inward.mean() > _SWAPPED_INWARD and narrower < _SWAPPED_NARROWER:
+        raise Error(
+            f"lenses and cones: expected axes that point out of the head, from the cones' tips to "
+            f"the lenses, found {int(inward.sum()):,} of {len(lens):,} {of_eye}that point into it, "
+            f"and lenses {100 * (1 - narrower):.2g} % closer together than tips; are lenses and "
+            "cones swapped?"
+        )
+    if not inward.any():
+        return []
+    return [
+        f"Looks wrong: {int(inward.sum()):,} of {len(lens):,} axes {of_eye}point into the head, "
+        "towards the middle of the sphere that fits the lenses. They were left as they are."
+    ]
+
+
+def sphere_centre(position: Floats) -> Floats:
+    """Centre of the sphere that fits the points best in the sense of |p|^2 - r^2."""
+    system = np.concatenate([2 * position, np.ones((len(position), 1))], axis=1)
+    solution = np.linalg.lstsq(system, np.square(position).sum(axis=1), rcond=None)[0]
+    return np.asarray(solution[:3], dtype=np.float64)

@@ -14,9 +14,17 @@ from omma._core import Error
 from omma.base.arguments import array_of
 from omma.base.arrays import Floats
 from omma.base.files import METRES_PER_UNIT, PathLike, open_text
+from omma.base.tables import decimal_point
 
 # Units as programs write them: µ is the micro sign or the Greek letter.
 UNITS = METRES_PER_UNIT | {"\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}
+# Columns of points in three dimensions as napari writes them: its axes are those of an image's
+# array, planes first.
+_NAPARI = {"axis-0": "z", "axis-1": "y", "axis-2": "x"}
+_EXPECTED = (
+    "expected columns x, y, z, or Position X, Position Y, Position Z, or napari's axis-0, axis-1, "
+    "axis-2"
+)
 
 
 class ScanTable:
@@ -119,22 +127,25 @@ def _read_points(name: str, with_unit: bool) -> tuple[Floats, float | None]:
     lines = _lines(name)
     # Imaris writes a title and a line of ==== above the header.
     for start, (_, line) in enumerate(lines[:6]):
-        separator = next((s for s in (",", ";", "\t") if s in line), None)
-        words = [word.strip().strip('"') for word in line.split(separator)]
+        separator = _separator(line)
+        words = _cells(line, separator)
         named = _columns(name, lines[start][0], words)
         if named or _all_numbers(words):
             break
     else:
-        raise Error(
-            f"{name}, line {lines[0][0] if lines else 1}: expected columns x, y, z or Position X, "
-            f"Position Y, Position Z, found {lines[0][1][:60] if lines else ''!r}"
-        )
+        number, line = lines[0] if lines else (1, "")
+        raise Error(f"{name}, line {number}: {_EXPECTED}, found {line[:60]!r}")
+    if not named and start > 0:
+        # As many words as numbers below are names of columns, no title.
+        number, line = lines[start - 1]
+        if not line.lstrip().startswith("#") and len(_cells(line, separator)) == len(words):
+            raise Error(f"{name}, line {number}: {_EXPECTED}, found {line[:60]!r}")
     at, said = (named[0], named[1]) if named else ([0, 1, 2], None)
     unit_column = next((i for i, word in enumerate(words) if word.lower() == "unit"), None)
     points: list[list[float]] = []
     units: dict[str, int] = {}
     for number, line in lines[start + bool(named) :]:
-        cells = [cell.strip().strip('"') for cell in line.split(separator)]
+        cells = _cells(line, separator)
         if not named and len(cells) != 3:
             raise Error(f"{name}, line {number}: expected three numbers, found {line[:60]!r}")
         try:
@@ -148,6 +159,19 @@ def _read_points(name: str, with_unit: bool) -> tuple[Floats, float | None]:
     if with_unit and units:
         said = _one_unit(name, units)
     return np.array(points, dtype=np.float64).reshape(-1, 3), said
+
+
+def _separator(line: str) -> str | None:
+    """What is between the numbers of a line, or the names of a header; None: spaces."""
+    if _all_numbers(_cells(line, None)):  # which may have decimal commas
+        return None
+    return next((one for one in (";", "\t", ",") if one in line), None)
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    """The cells of a line, with decimal points; None is for spaces between them."""
+    cells = [cell.strip().strip('"') for cell in line.split(separator)]
+    return cells if separator == "," else [decimal_point(cell) for cell in cells]
 
 
 def _lines(name: str) -> list[tuple[int, str]]:
@@ -169,6 +193,8 @@ def _columns(name: str, line: int, words: list[str]) -> tuple[list[int], float |
     the words are no header."""
     found: dict[str, list[tuple[int, str]]] = {"x": [], "y": [], "z": []}
     for i, word in enumerate(words):
+        if word in _NAPARI and "axis-3" not in words:  # with which the first one is time
+            found[_NAPARI[word]].append((i, ""))
         match = re.fullmatch(r"(?:position[ ._])?([xyz])(?:_(\w+))?", word, re.IGNORECASE)
         if match:
             found[match[1].lower()].append((i, match[2] or ""))

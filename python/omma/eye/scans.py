@@ -23,7 +23,7 @@ from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.eye.change import set_acceptance
 from omma.eye.facets import facet_diameters_m
-from omma.eye.scan_pairs import match_tips, split_eyes
+from omma.eye.scan_pairs import checked_outward, match_tips, sphere_centre, split_eyes
 from omma.eye.scan_tables import ScanTable, read_points
 
 __all__ = ["ImportedEye", "LensConeEye", "import_lens_cone", "import_oda"]
@@ -179,8 +179,10 @@ def import_lens_cone(
 
     Args:
         lenses, cones: (N, 3) points, or text files with a point a line: columns x, y, z, which a
-            header may name, or what Imaris exports as positions (Position X, Position Y,
-            Position Z, Unit, with or without the title above).
+            header may name, what Imaris exports as positions (Position X, Position Y, Position Z,
+            Unit, with or without the title above), or what napari saves of points in three
+            dimensions (axis-0, axis-1, axis-2, which are z, y, x). Commas, semicolons, tabs or
+            spaces are between the numbers; decimals may have commas where those are not.
         unit: "um", "mm", "m" or a number of metres; it goes before what a file says. None takes
             the unit that each file says, in a column Unit or behind the names (x_mm), else "um".
         allow_unmatched: as many lenses as cones are expected, in each eye. With this the points
@@ -190,7 +192,9 @@ def import_lens_cone(
     Raises:
         omma.Error: a file cannot be read, there are fewer than 12 points, or not as many lenses as
             cones; points in more than two groups, or in two that are not left and right of each
-            other: the error says what to do.
+            other: the error says what to do. Lenses and cones that are swapped: the axes of an eye
+            point into the head and come together there. Where only one of the two holds, a note
+            says so, and nothing is turned round.
     """
     from scipy.spatial import cKDTree
 
@@ -240,6 +244,10 @@ def import_lens_cone(
         f"{_spread(misfit)} from where their neighbours' say they should be."
     ]
     eye_id = lens_eye[which_lens]
+    for one in range(eyes):
+        members = eye_id == one
+        of_eye = ("of the left eye ", "of the right eye ")[one] if two else ""
+        notes += checked_outward(lens_position[members], tip[members], of_eye)
     if two:
         left, right = np.bincount(eye_id)
         notes.append(
@@ -314,7 +322,7 @@ def _inward_axes(table: ScanTable, position: Floats, axis: str, notes: list[str]
     chosen = chosen / size
     # ODA turns them towards the centre of the sphere fitted to the eye, its origin; the forerunner
     # leaves the anatomical one as it comes.
-    centre = _sphere_centre(position)
+    centre = sphere_centre(position)
     towards = centre - position
     if "approx" in kinds:
         approx = kinds["approx"]
@@ -323,13 +331,6 @@ def _inward_axes(table: ScanTable, position: Floats, axis: str, notes: list[str]
     if turned.any():
         notes.append(f"Turned round: {int(turned.sum())} axes that point out of the eye.")
     return np.asarray(np.where(turned[:, None], -chosen, chosen))
-
-
-def _sphere_centre(position: Floats) -> Floats:
-    """Centre of the sphere that fits the points best in the sense of |p|^2 - r^2."""
-    system = np.concatenate([2 * position, np.ones((len(position), 1))], axis=1)
-    solution = np.linalg.lstsq(system, np.square(position).sum(axis=1), rcond=None)[0]
-    return np.asarray(solution[:3], dtype=np.float64)
 
 
 def _rotation(ahead: ArrayLike, up: ArrayLike) -> Floats:

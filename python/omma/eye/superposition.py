@@ -33,6 +33,7 @@ __all__ = [
 ]
 
 
+_MOST = (1 << 63) - 1
 # Offsets are rounded to this share of the median interommatidial angle, so that ommatidia with
 # nearly the same share their receptor types.
 _OFFSET_STEP = 1 / 10
@@ -44,11 +45,14 @@ class Wiring:
     """Which responses are pooled into which: those of target i are index[first[i]:first[i + 1]].
 
     first: (M + 1,); index: (K,), of what is pooled; weight: (K,), of each within its target.
+    responses: how many there are to pool from, receptors or ommatidia of the eye that it was made
+    for; None: not known, any number that ``index`` allows.
     """
 
     first: Ints
     index: Ints
     weight: Floats
+    responses: int | None = None
 
     def __post_init__(self) -> None:
         for name, kind in (("first", np.int64), ("index", np.int64), ("weight", np.float64)):
@@ -64,6 +68,23 @@ class Wiring:
             )
         if len(self.weight) != len(self.index) or np.any(self.index < 0):
             raise Error("index, weight: expected as many of both, indices of at least 0")
+        least = int(self.index.max(initial=-1)) + 1
+        if self.responses is not None and whole(self.responses, "responses", 0, _MOST) < least:
+            raise Error(
+                f"responses: expected at least {least}, as index says, found {self.responses}"
+            )
+
+    def expect_responses(self, count: int, what: str, where: str = "") -> None:
+        """omma.Error where so many responses are not those that the wiring is of."""
+        least = int(self.index.max(initial=-1)) + 1
+        if self.responses is None:
+            if count < least:
+                raise Error(f"{what}: expected at least {least}{where}, found {count}")
+        elif count != self.responses:
+            raise Error(
+                f"{what}: expected {self.responses}{where}, as the eye that the wiring was made "
+                f"for has, found {count}"
+            )
 
     def __len__(self) -> int:
         """How many targets there are."""
@@ -88,7 +109,8 @@ def pool(responses: ArrayLike, wiring: Wiring, *, axis: int = -1) -> NDArray[np.
     (..., M, ...).
 
     Raises:
-        omma.Error: fewer responses than the wiring speaks of.
+        omma.Error: not as many responses as the eye has that the wiring was made for, or where
+            that is not known, fewer than it speaks of.
     """
     from scipy.sparse import csr_matrix
 
@@ -96,11 +118,7 @@ def pool(responses: ArrayLike, wiring: Wiring, *, axis: int = -1) -> NDArray[np.
     if given.ndim == 0:
         raise Error("responses: expected an array with an axis of receptors, found one number")
     given = np.moveaxis(given, whole(axis, "axis", -given.ndim, given.ndim - 1), 0)
-    if len(wiring.index) and len(given) <= wiring.index.max():
-        raise Error(
-            f"responses: expected at least {wiring.index.max() + 1} along axis {axis}, found "
-            f"{len(given)}"
-        )
+    wiring.expect_responses(len(given), "responses", f" along axis {axis}")
     matrix = csr_matrix(
         (wiring.weight, wiring.index, wiring.first), shape=(len(wiring), len(given))
     )
@@ -156,7 +174,7 @@ def neural_superposition_wiring(
         found = there[nearest]
         within = angle_of_chord(chord) <= reach * spacing[found]
         target[mine[within]] = found[within]
-    return _wiring(target, index, np.ones(len(index)), len(eye))
+    return _wiring(target, index, np.ones(len(index)), len(eye), len(looking))
 
 
 @checked
@@ -271,7 +289,7 @@ def superposition_facets(eye: Eye, aperture_diameter_m: float | None = None) -> 
         facet_diameter_m=eye.facet_diameter_m[facet],
         aperture_diameter_m=0.0,
     )
-    return views, _wiring(owner, np.arange(len(owner)), weight, len(eye))
+    return views, _wiring(owner, np.arange(len(owner)), weight, len(eye), len(owner))
 
 
 @checked
@@ -283,13 +301,12 @@ def receptor_wiring(views: Eye, wiring: Wiring) -> Wiring:
     order.
 
     Raises:
-        omma.Error: views without receptors, fewer than the wiring speaks of, or of different
-            numbers of receptors in one target.
+        omma.Error: views without receptors, not as many as the wiring was made for, or of
+            different numbers of receptors in one target.
     """
     if len(views.receptor_type) == 0:
         raise Error("views: expected receptors, found none; give them to the eye before its views")
-    if len(wiring.index) and len(views) <= wiring.index.max():
-        raise Error(f"views: expected at least {wiring.index.max() + 1}, found {len(views)}")
+    wiring.expect_responses(len(views), "views")
     first = views.first_receptor.astype(np.int64)
     owner = np.repeat(np.arange(len(wiring)), wiring.members)
     count = np.diff(first)[wiring.index]
@@ -306,6 +323,7 @@ def receptor_wiring(views: Eye, wiring: Wiring) -> Wiring:
         first[wiring.index[entry]] + place,
         wiring.weight[entry],
         int(first_target[-1]),
+        int(first[-1]),
     )
 
 
@@ -328,9 +346,9 @@ def _looking(kind: ReceptorType, name: str, right_rad: float, up_rad: float) -> 
     )
 
 
-def _wiring(target: Ints, index: Ints, weight: Floats, count: int) -> Wiring:
-    """A wiring from pairs (target, index); a target of -1 is none."""
+def _wiring(target: Ints, index: Ints, weight: Floats, count: int, responses: int) -> Wiring:
+    """A wiring of ``count`` targets from pairs (target, index); a target of -1 is none."""
     order = np.argsort(target, kind="stable")
     order = order[target[order] >= 0]
     first = np.searchsorted(target[order], np.arange(count + 1))
-    return Wiring(first.astype(np.int64), index[order].astype(np.int64), weight[order])
+    return Wiring(first.astype(np.int64), index[order].astype(np.int64), weight[order], responses)

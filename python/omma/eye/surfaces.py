@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from omma import _core
 from omma._core import Error
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.arrays import Floats, Ints
@@ -24,6 +25,7 @@ from omma.base.files import PathLike, metres_per_unit
 from omma.base.mesh_triangles import triangles_of_file
 from omma.base.spirals import fibonacci_lattice, golden_angles_back
 from omma.base.values import value_class
+from omma.base.warn import warn_caller
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -162,19 +164,33 @@ def mesh_surface(vertices_m: ArrayLike, triangles: ArrayLike) -> Mesh:
 def load_surface(path: PathLike, unit: str | float = "mm") -> Mesh:
     """A mesh from a file, glTF, OBJ, PLY or STL, as a surface; lengths in ``unit``.
 
-    Coordinates are taken as they are: x right, y up, z backwards. Needs ``omma[meshes]``, an
-    optional extra.
+    Coordinates are taken as they are: x right, y up, z backwards. glTF and STL need
+    ``omma[meshes]``, an optional extra.
 
     Raises:
         omma.Error: the file cannot be read or holds no triangles; the extra is not installed.
+
+    Warns:
+        UserWarning: a radius, half the longest side, that no animal's eye has.
     """
     name = os.fsdecode(path)
     scale = metres_per_unit(unit)
     vertices, triangles = triangles_of_file(name)
     try:
-        return Mesh(vertices * scale, triangles)
+        mesh = Mesh(vertices * scale, triangles)
     except Error as error:
         raise Error(f"{name}: {error}") from None
+    used = mesh.vertices[mesh.triangles].reshape(-1, 3)
+    radius_m = float(np.ptp(used, axis=0).max()) / 2
+    try:
+        _core.expect_eye_radius("radius", radius_m, False)
+    except Error:
+        warn_caller(
+            f"{name}: {2 * radius_m:.3g} m along its longest side is no animal's eye, with unit "
+            f"{unit!r}; eyes have radii of 1 µm to 10 cm",
+            UserWarning,
+        )
+    return mesh
 
 
 class Mesh:

@@ -63,6 +63,8 @@ def plot_acceptance(
             cannot be written.
     """
     names = figure_names(paths)
+    if ommatidia is not None:
+        _expect_chosen(eye, ommatidia)  # before it is measured, which may take long
     measures = measures or measure_eye(eye)
     chosen = choose(eye, measures, ommatidia)
     odd = [i for i in chosen if not eye.acceptance(i).is_round]
@@ -99,9 +101,16 @@ def choose(eye: Eye, measures: EyeMeasures, ommatidia: Sequence[Chosen] | None) 
         order = known[np.argsort(angle[known], kind="stable")]
         ends = [order[0], order[len(order) // 2], order[int(0.95 * (len(order) - 1))]]
         return list(dict.fromkeys(int(i) for i in ends))
+    _expect_chosen(eye, ommatidia)
+    return list(dict.fromkeys(_index(measures, one) for one in ommatidia))
+
+
+def _expect_chosen(eye: Eye, ommatidia: Sequence[Chosen]) -> None:
     if not 1 <= len(ommatidia) <= _MOST:
         raise Error(f"ommatidia: expected 1 to {_MOST}, found {len(ommatidia)}")
-    return list(dict.fromkeys(_index(eye, measures, one) for one in ommatidia))
+    for one in ommatidia:
+        if not isinstance(one, tuple) and not 0 <= one < len(eye):
+            raise Error(f"ommatidia: expected indices from 0 to {len(eye) - 1}, found {one}")
 
 
 def draw_profiles(panel: Axes, eye: Eye, chosen: Sequence[int]) -> None:
@@ -249,14 +258,12 @@ def _half_maximum(theta: Floats, values: Floats) -> tuple[float, float] | None:
     return float(theta[above[0]]), float(theta[above[-1]])
 
 
-def _index(eye: Eye, measures: EyeMeasures, one: Chosen) -> int:
+def _index(measures: EyeMeasures, one: Chosen) -> int:
     if isinstance(one, tuple):
         azimuth, elevation = np.radians(one)
         level = math.cos(elevation)
         towards = [level * math.sin(azimuth), math.sin(elevation), -level * math.cos(azimuth)]
         return int(np.argmax(measures.axis @ np.array(towards)))
-    if not 0 <= one < len(eye):
-        raise Error(f"ommatidia: expected indices from 0 to {len(eye) - 1}, found {one}")
     return one
 
 

@@ -21,7 +21,7 @@ from omma.base.figures import INK, figure_names, figure_style, load_matplotlib, 
 from omma.base.files import PathLike
 from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.neighbours import sides, surface_lattice, surface_normals
-from omma.eye.properties import EyeProperty, eye_property, is_known
+from omma.eye.properties import EyeProperty, expect_property, eye_property, is_known
 from omma.picture.eye_maps import colour_scale, known_name
 
 Style = Literal["facets", "axes", "both"]
@@ -78,6 +78,7 @@ def draw_eye(
         positive(axis_length_mm, "axis_length_mm")
     prop = None
     if colour != "none":
+        expect_property(eye, colour, "colour")
         prop = eye_property(eye, measures or measure_eye(eye), colour, "colour")
     view = view_from(math.radians(yaw_deg), math.radians(pitch_deg))
     drawing = _Drawing(eye, view, style, back, axis_length_mm)

@@ -33,7 +33,7 @@ from omma.base.files import PathLike
 from omma.base.progress import Stage
 from omma.eye.field import in_field
 from omma.eye.measures import EyeMeasures, measure_eye
-from omma.eye.properties import EyeProperty, eye_property, is_known
+from omma.eye.properties import EyeProperty, expect_property, eye_property, is_known
 from omma.picture.fields import largest_cell_sr, without_gaps
 from omma.picture.map_projections import (
     MAP_HALVES,
@@ -156,6 +156,8 @@ def plot_eye_maps(
             ending; Matplotlib is missing; a file cannot be written.
     """
     names = figure_names(paths)
+    for name in properties or ():
+        expect_property(eye, name)
     measures = measures or measure_eye(eye)
     if properties is None:
         always = ("smaller", "larger", "acceptance")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,11 +29,28 @@ class OmmatidiumType:
 
     receptors: those of each such ommatidium; the same type may come several times.
     abundance: how many ommatidia are of it, relative to the other types.
+
+    Raises:
+        omma.Error: receptors that are no sequence of `ReceptorType`, an abundance that is negative
+            or not finite.
     """
 
     name: str
     receptors: tuple[ReceptorType, ...]
     abundance: float = 1.0
+
+    def __post_init__(self) -> None:
+        receptors = self.receptors
+        if not isinstance(receptors, Sequence) or not all(
+            isinstance(one, ReceptorType) for one in receptors
+        ):
+            raise Error(
+                "receptors: expected a tuple of omma.receptors.ReceptorType, found "
+                f"{receptors!r:.80}"
+            )
+        object.__setattr__(self, "receptors", tuple(receptors))
+        if not (isinstance(self.abundance, Real) and 0 <= self.abundance < math.inf):
+            raise Error(f"abundance: expected a number of at least 0, found {self.abundance!r:.40}")
 
 
 @checked
@@ -55,15 +74,15 @@ def assign_receptors(
         seed: of the draw, at least 0.
 
     Raises:
-        omma.Error: no type, a share that is negative or not finite, a mask of another shape.
+        omma.Error: no type, shares that are all 0, a mask of another shape.
     """
     kinds = (types,) if isinstance(types, OmmatidiumType) else tuple(types)
     if not kinds:
         raise Error("types: expected at least one OmmatidiumType, found none")
     abundance = np.array([kind.abundance for kind in kinds], np.float64)
-    if not np.all(np.isfinite(abundance)) or np.any(abundance < 0) or abundance.sum() <= 0:
+    if abundance.sum() <= 0:
         found = [kind.abundance for kind in kinds]
-        raise Error(f"types: expected abundances of at least 0, not all 0, found {found}")
+        raise Error(f"types: expected abundances that are not all 0, found {found}")
     if seed < 0:
         raise Error(f"seed: expected at least 0, found {seed}")
     inside = region_mask(eye, where)
