@@ -74,18 +74,6 @@ class Wiring:
                 f"responses: expected at least {least}, as index says, found {self.responses}"
             )
 
-    def expect_responses(self, count: int, what: str, where: str = "") -> None:
-        """omma.Error where so many responses are not those that the wiring is of."""
-        least = int(self.index.max(initial=-1)) + 1
-        if self.responses is None:
-            if count < least:
-                raise Error(f"{what}: expected at least {least}{where}, found {count}")
-        elif count != self.responses:
-            raise Error(
-                f"{what}: expected {self.responses}{where}, as the eye that the wiring was made "
-                f"for has, found {count}"
-            )
-
     def __len__(self) -> int:
         """How many targets there are."""
         return len(self.first) - 1
@@ -99,6 +87,19 @@ class Wiring:
         """How many targets pool how many responses, e.g. {5: 48, 6: 700, 7: 30}."""
         members, targets = np.unique(self.members, return_counts=True)
         return dict(zip(members.tolist(), targets.tolist(), strict=True))
+
+
+def _expect_responses(wiring: Wiring, count: int, what: str, where: str = "") -> None:
+    """omma.Error where so many responses are not those that a wiring is of."""
+    least = int(wiring.index.max(initial=-1)) + 1
+    if wiring.responses is None:
+        if count < least:
+            raise Error(f"{what}: expected at least {least}{where}, found {count}")
+    elif count != wiring.responses:
+        raise Error(
+            f"{what}: expected {wiring.responses}{where}, as the eye that the wiring was made "
+            f"for has, found {count}"
+        )
 
 
 @checked
@@ -118,7 +119,7 @@ def pool(responses: ArrayLike, wiring: Wiring, *, axis: int = -1) -> NDArray[np.
     if given.ndim == 0:
         raise Error("responses: expected an array with an axis of receptors, found one number")
     given = np.moveaxis(given, whole(axis, "axis", -given.ndim, given.ndim - 1), 0)
-    wiring.expect_responses(len(given), "responses", f" along axis {axis}")
+    _expect_responses(wiring, len(given), "responses", f" along axis {axis}")
     matrix = csr_matrix(
         (wiring.weight, wiring.index, wiring.first), shape=(len(wiring), len(given))
     )
@@ -306,7 +307,7 @@ def receptor_wiring(views: Eye, wiring: Wiring) -> Wiring:
     """
     if len(views.receptor_type) == 0:
         raise Error("views: expected receptors, found none; give them to the eye before its views")
-    wiring.expect_responses(len(views), "views")
+    _expect_responses(wiring, len(views), "views")
     first = views.first_receptor.astype(np.int64)
     owner = np.repeat(np.arange(len(wiring)), wiring.members)
     count = np.diff(first)[wiring.index]
