@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import omma
+from omma.eye.files import slips_in
 
 HEADER = (
     "facet,position_x_um,position_y_um,position_z_um,azimuth_deg,elevation_deg,"
@@ -287,3 +288,14 @@ def test_gaps_are_told_of_where_filling_them_helps(tmp_path):
     with pytest.raises(omma.Error, match="line 7") as caught:
         omma.load_eye(path)
     assert "missing_acceptance" not in str(caught.value)
+
+
+def test_an_angular_sensitivity_that_no_ommatidium_has_is_not_told_of(tmp_path):
+    wide, narrow = omma.Acceptance.gaussian(0.2), omma.Acceptance.gaussian(0.05)
+    eye = omma.eye.generate_eye(10).replace(acceptance=[wide] * 5 + [narrow] * 5).take([7])
+    assert eye.acceptances[0] == wide
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert slips_in(eye) == []
+        omma.save_eye(tmp_path / "eye.glb", eye)
+        omma.load_eye(tmp_path / "eye.glb")

@@ -104,10 +104,11 @@ def slips_in(eye: Eye) -> list[str]:
 def _other_width(eye: Eye) -> list[str]:
     """What there is to tell of acceptance angles that are not the width of the angular sensitivity
     beside them: of a few kinds, as a waveguide's width takes a while."""
-    for kind in range(min(len(eye.acceptances), _MOST_KINDS)):
-        ommatidium = int(np.argmax(eye.acceptance_of == kind))
-        acceptance, stated = eye.acceptances[kind], float(eye.acceptance_angle_rad[ommatidium])
-        azimuths = np.linspace(0, np.pi, 9) if acceptance.minor_width_rad else [0.0]
+    kinds, first = np.unique(eye.acceptance_of, return_index=True)
+    for ommatidium in first[kinds >= 0][:_MOST_KINDS].tolist():
+        acceptance = eye.acceptance(ommatidium)
+        stated = float(eye.acceptance_angle_rad[ommatidium])
+        azimuths = [0.0] if acceptance.is_round else np.linspace(0, np.pi, 9)
         widths = [acceptance.width_rad(azimuth) for azimuth in azimuths]
         if stated <= 0 or min(widths) / 1.05 <= stated <= max(widths) * 1.05:
             continue

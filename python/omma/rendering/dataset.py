@@ -102,6 +102,7 @@ def dataset(
             frames = call.render(
                 call.new_frames(standard_error=standard_error or to_error, rays=to_error)
             )
+        told = call.moves.told()
         labels = labels_of(
             self,
             call.poses,
@@ -109,9 +110,9 @@ def dataset(
             standard_error=frames.standard_error is not None,
             time_s=times,
             first_pose=call.first_frame,
-            more=call.moves.told.attributes,
+            more=told.attributes,
         )
-        return _labelled(labels, frames, call.moves.things(), call.moves.told)
+        return _labelled(labels, frames, call.moves.things(), told)
     if receptors:
         raise Error("truth: not together with receptors, which it does not have")
     if standard_error and truth.standard_error is None:

@@ -168,9 +168,13 @@ class Moves:
         if by_light and options.get("unseen") is None:
             raise Error("unseen_by_light: goes with unseen, found None of that")
         self._by_light = bool(by_light)
+        self._animation = animation
+
+    def told(self) -> MovesTold:
+        """What data sets say of it, in a world as it is now."""
         unseen = self._groups, self._group_of_pose
-        self.told = MovesTold.of(world, unseen, self._by_light)
-        self.told = self.told.with_animation(world.scene, animation)
+        told = MovesTold.of(self._world, unseen, self._by_light)
+        return told.with_animation(self._world.scene, self._animation)
 
     def piece(self, first: int, count: int) -> Self:
         """The same of some of the poses."""

@@ -36,7 +36,8 @@ class MovesTold:
         """Of a call in a world as it is now; ``unseen``: groups of things, and that of each
         pose."""
         told: dict[str, Any] = {}
-        for time_s, at in world._last_at:
+        if world._last_at:
+            ((time_s, at),) = world._last_at
             told["at_time_s"] = time_s
             if at is not None:
                 told["at_animation"] = _name_of(world.scene, at)

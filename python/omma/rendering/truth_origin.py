@@ -37,7 +37,7 @@ class Origin:
         things = names, indices.copy(), transforms.copy()
         times = call.moves.times_s
         copied = None if times is None else times.copy()
-        return cls(call.renderer.settings, call.first_frame, copied, things, call.moves.told)
+        return cls(call.renderer.settings, call.first_frame, copied, things, call.moves.told())
 
 
 def check_origin(origin: Origin, renderer: Prepared, first_pose: int | None) -> None:
@@ -71,7 +71,7 @@ def moves_of(
     if origin is None or moves.get("unseen") is not None:
         asked["unseen_by_light"] = by_light
     given = Moves(renderer.world, matrices, asked, None)
-    told = given.told.with_animation(renderer.world.scene, moves.get("animation"))
+    told = given.told().with_animation(renderer.world.scene, moves.get("animation"))
     if origin is None:
         return given.things(), told
     for name in ("animation", "unseen"):
