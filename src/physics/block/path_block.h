@@ -6,6 +6,7 @@
 
 #include "physics/block/block_memory.h"
 #include "physics/path/lit_path.h"
+#include "physics/path/polarized_paths.h"
 #include "physics/path/waiting_paths.h"
 
 namespace omma {
@@ -92,20 +93,28 @@ OMMA_HD void continue_block(PathBlock<L, Search>& block, const Flight<L, Search>
   }
 }
 
+// What flights of a packet of the block work on; what they find is added to `radiance`.
+template <typename L, typename Search>
+OMMA_HD Flight<L, Search> flight_of(const PathBlock<L, Search>& block, Packet<L>& packet,
+                                    PathState<L>& state, float* radiance) {
+  const PathMemory& memory = block.memory;
+  return {block.scene,
+          block.search,
+          packet,
+          state,
+          memory,
+          radiance,
+          passed_in(block.scene, memory),
+          memory.cell_errors};
+}
+
 // One more flight of as many paths as a packet holds, of those that wait.
 template <typename L, typename Search>
 OMMA_HD void trace_waiting_flight(PathBlock<L, Search>& block, WaitingPaths<L>& waiting) {
   PathQueues<L>& queues = block.queues;
   PathState<L> state;
   alignas(L::count * 4) std::int32_t ray[L::count];
-  const Flight<L, Search> flight{block.scene,
-                                 block.search,
-                                 queues.onward,
-                                 state,
-                                 block.memory,
-                                 block.memory.found,
-                                 passed_in(block.scene, block.memory),
-                                 block.memory.cell_errors};
+  const Flight<L, Search> flight = flight_of(block, queues.onward, state, block.memory.found);
   const LaneMask<L> lanes = dequeue(flight, waiting, ray);
   lanes.for_each([&](int l) { queues.onward.ommatidium[l] = queues.ommatidium[ray[l]]; });
   continue_block(block, flight, trace_later_flight(block, flight, lanes, ray), ray);
@@ -141,14 +150,7 @@ OMMA_HD_CALLED void begin_paths(PathBlock<L, Search>& block, int packet_index, L
   const int floats = packet_floats<L>(scene);
   float* const radiance = block.radiance + packet_index * floats;
   PathState<L> state;
-  Flight<L, Search> flight{scene,
-                           block.search,
-                           packet,
-                           state,
-                           block.memory,
-                           radiance,
-                           passed_in(scene, block.memory),
-                           block.memory.cell_errors};
+  Flight<L, Search> flight = flight_of(block, packet, state, radiance);
   for (int i = 0; i < floats; ++i) radiance[i] = 0;
   reset_paths<L>(scene, state, block.memory);
   if (flight.passed != nullptr) clear<L>(*flight.passed);

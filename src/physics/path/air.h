@@ -13,6 +13,7 @@
 #include "physics/lanes/powers.h"
 #include "physics/path/path_light.h"
 #include "physics/path/path_scatter.h"
+#include "physics/path/polarized_paths.h"
 
 namespace omma {
 

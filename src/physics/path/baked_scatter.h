@@ -4,6 +4,7 @@
 
 #include "physics/path/baked.h"
 #include "physics/path/path_scatter.h"
+#include "physics/path/polarized_paths.h"
 
 namespace omma {
 

@@ -187,9 +187,7 @@ OMMA_HD void add_direct_light(const Flight<L, Search>& flight, const HitGeometry
   eval_lights(flight, geometry, lights, seen);
 
   // f cos θ w / p, and on to the eye. Scattered, light is by the rays' own axes.
-  alignas(n * 4) float axis[3][n] = {};
-  if (scene.polarized) vertical_axes<L>(lights.direction, axis);
-  scatter_light(flight, points, scattered, lights.direction, axis, flight.memory.light);
+  scatter_light(flight, points, scattered, lights.direction, flight.memory.light);
   add_light(flight, visible, flight.packet.reference, flight.memory.light);
 }
 

@@ -4,6 +4,7 @@
 #include "physics/light/far_light.h"
 #include "physics/light/near_light.h"
 #include "physics/path/flight.h"
+#include "physics/path/polarized_paths.h"
 #include "physics/surface/lit_surface.h"
 
 namespace omma {
@@ -27,24 +28,6 @@ OMMA_HD void choose_nodes(const Packet<L>& packet, const PathState<L>& state, Ch
   }
 }
 
-// The reference axis of light from afar in a direction (omma/light.h).
-template <typename F>
-OMMA_HD Vector3<F> vertical_axis(const Vector3<F>& d) {
-  const F level = d.x * d.x + d.z * d.z, one = broadcast<F>(1.0f);
-  const auto is_zenith = level < 1e-14f;  // or nadir: of azimuth 0
-  const F scale = 1.0f / sqrt_lanes(is_zenith ? one : level);
-  return {is_zenith ? F{} : (0.0f - d.y * d.x) * scale, is_zenith ? F{} : level * scale,
-          is_zenith ? (d.y > 0.0f ? one : 0.0f - one) : (0.0f - d.y * d.z) * scale};
-}
-
-// The same of a packet's directions, [lane].
-template <typename L>
-OMMA_HD void vertical_axes(const float (&direction)[3][L::count], float (&axis)[3][L::count]) {
-  using F = typename L::F;
-  for (int l = 0; l < L::count; l += L::width)
-    store_vector(axis, l, vertical_axis(load_vector<F>(direction, l)));
-}
-
 // Adds light that arrives along the packet's rays, `light` [component][band][lane], with a weight
 // for each lane, 0 for none:
 //
@@ -56,59 +39,19 @@ template <typename L, typename Search>
 OMMA_HD_CALLED void add_light(const Flight<L, Search>& flight, const float* weight,
                               const float (*axis)[L::count], const float* light) {
   using F = typename L::F;
-  const SceneView& scene = flight.scene;
-  const PathState<L>& state = flight.state;
-  const int stride = flight.stride();
-  const bool by_band = flight.memory.mueller != nullptr && scene.polarized;
   for (int l = 0; l < L::count; l += L::width) {
     const F w = load<F>(weight + l);
     const auto is_on = w != 0.0f;
     if (!any_lane(is_on)) continue;
-    Mueller3<F> path{};
-    FrameTurn<F> turn{};
-    bool keeps = false, turns = false;
-    if (scene.polarized) {
-      path = load_mueller(state, l);
-      for (int k = l; k < l + L::width; ++k) keeps = keeps || keeps_polarisation<L>(state, k);
-      turns = axis != nullptr && keeps;
-      if (turns) {
-        const auto own = load_vector<F>(flight.packet.reference, l);
-        const Vector3<F> across = cross(load_vector<F>(flight.packet.rays.direction, l), own);
-        turn = frame_turn(own, across,
-                          {load<F>(axis[0] + l), load<F>(axis[1] + l), load<F>(axis[2] + l)});
-        path = path * turn;
-      }
-    }
-    const auto add_band = [&](int b, const Mueller3<F>& path_in) {
-      const int at = b * L::count + l;
-      const F scale = load<F>(flight.memory.throughput + at) * w;
-      Stokes<F> s{load<F>(light + at), F{}, F{}};
-      const auto add = [&](int component, F x) {
-        float* sum = flight.radiance + component * stride + at;
-        store(sum, load<F>(sum) + keep(is_on, scale * x));
-      };
-      if (!scene.polarized) {
-        add(0, s.i);
-        return;
-      }
-      if (!keeps) {
-        for (int p = 0; p < 3; ++p) add(p, path_in.m[p][0] * s.i);
-        return;
-      }
-      if (axis != nullptr)
-        s.q = load<F>(light + stride + at), s.u = load<F>(light + 2 * stride + at);
-      s = path_in * s;
-      add(0, s.i);
-      add(1, s.q);
-      add(2, s.u);
-    };
-    if (!by_band) {
-      for (int b = 0; b < scene.bands; ++b) add_band(b, path);
+    if (flight.scene.polarized) {
+      add_polarized_light(flight, w, l, axis, light);
       continue;
     }
-    for (int b = 0; b < scene.bands; ++b) {
-      const Mueller3<F> own = load_mueller(scene, state, flight.memory, b, l);
-      add_band(b, turns ? own * turn : own);
+    for (int b = 0; b < flight.scene.bands; ++b) {
+      const int at = b * L::count + l;
+      const F scale = load<F>(flight.memory.throughput + at) * w;
+      float* const sum = flight.radiance + at;
+      store(sum, load<F>(sum) + keep(is_on, scale * load<F>(light + at)));
     }
   }
 }

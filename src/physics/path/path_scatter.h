@@ -5,60 +5,32 @@
 
 #include "physics/lanes/vector3.h"
 #include "physics/path/path_light.h"
+#include "physics/path/polarized_paths.h"
 #include "physics/path/refraction.h"
 #include "physics/path/scattered.h"
 
 namespace omma {
 
-// Scatters `light` [component][band][lane], which comes from direction `w` [lane] with Stokes
-// vectors by `axis`, towards the eye, in place: by the rays' own reference axes.
+// Scatters `light` [component][band][lane], which comes from directions `w` [lane] with Stokes
+// vectors by vertical axes, towards the eye, in place: by the rays' own reference axes.
 template <typename L, typename Search>
 OMMA_HD_CALLED void scatter_light(const Flight<L, Search>& flight,
                                   const ScatteringPacket<L>& points, const Scattered<L>& by,
-                                  const float (&w)[3][L::count], const float (&axis)[3][L::count],
-                                  float* light) {
+                                  const float (&w)[3][L::count], float* light) {
   using F = typename L::F;
   const SceneView& scene = flight.scene;
-  const Packet<L>& packet = flight.packet;
-  const PathMemory& memory = flight.memory;
-  const int stride = scene.bands * L::count;
   for (int l = 0; l < L::count; l += L::width) {
     const LobeValues<F> lobes = load_lobes(by, l);
-    Mueller<F> dielectric{lobes.dielectric, F{}, F{}}, coat{lobes.coat, F{}, F{}};
-    FrameTurn<F> before{}, after{};
-    if (scene.polarized) {
-      dielectric.b = load<F>(by.dielectric[1] + l);
-      dielectric.c = load<F>(by.dielectric[2] + l);
-      coat.b = load<F>(by.coat[1] + l);
-      coat.c = load<F>(by.coat[2] + l);
-      const auto d = load_vector<F>(packet.rays.direction, l), from = load_vector<F>(w, l);
-      const auto own = load_vector<F>(packet.reference, l), theirs = load_vector<F>(axis, l);
-      const Vector3<F> s = reflection_axis(d, from, own);
-      // From the light's axes to s, and from s to the ray's.
-      before = frame_turn(s, cross(from, s), theirs);
-      after = frame_turn(own, cross(d, own), s);
-    }
     with_metal_lobe(scene, points.boundary, by, l, [&](const auto& metal_in) {
+      if (scene.polarized) {
+        scatter_polarized_light(flight, points, by, {w, l}, metal_in, light);
+        return;
+      }
       for (int b = 0; b < scene.bands; ++b) {
         const int at = b * L::count + l;
-        const BandColor<F> color = load_color<L>(memory, at);
-        const F i = load<F>(light + at);
-        const Mueller<F> metal = metal_in(lobes, color, b);
-        if (!scene.polarized) {
-          store(light + at, all_lobes(lobes, color, metal.a) * i);
-          continue;
-        }
-        const F tint = dielectric_tint(lobes, color);
-        const Stokes<F> s =
-            before * Stokes<F>{i, load<F>(light + stride + at), load<F>(light + 2 * stride + at)};
-        const Mueller<F> mirrored{dielectric.a * tint + coat.a + metal.a,
-                                  dielectric.b * tint + coat.b + metal.b,
-                                  dielectric.c * tint + coat.c + metal.c};
-        const Stokes<F> out = after * (mirrored * s);
-        const F diffuse = diffuse_lobes(lobes, color) * i;
-        store(light + at, out.i + diffuse);
-        store(light + stride + at, out.q + diffuse * points.diffuse_q[l / L::width]);
-        store(light + 2 * stride + at, out.u + diffuse * points.diffuse_u[l / L::width]);
+        const BandColor<F> color = load_color<L>(flight.memory, at);
+        const F metal = metal_in(lobes, color, b).a;
+        store(light + at, all_lobes(lobes, color, metal) * load<F>(light + at));
       }
     });
   }
@@ -94,14 +66,7 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
     ScatterPoint<F>& point = scattering.point[v];
     point = make_scatter_point(scatter_surface<L>(scene, flight.packet.rays, surface, l));
     if (scene.has_volumes) make_boundary_point(flight, surface, l, scattering);
-    if (scene.polarized) {
-      const auto own = load_vector<F>(flight.packet.reference, l);
-      const Vector3<F> s = reflection_axis(point.direction, point.normal, own);
-      const Stokes<F> seen = frame_turn(own, cross(point.direction, own), s) *
-                             Stokes<F>{broadcast<F>(1.0f), diffuse_polarization(point), F{}};
-      scattering.diffuse_q[v] = seen.q;
-      scattering.diffuse_u[v] = seen.u;
-    }
+    if (scene.polarized) polarize_diffuse(flight.packet, l, scattering);
     const auto table = boundary_of(scene, surface, l);
     store(scattering.boundary + l, table);
     // By what all bands get of each lobe.
@@ -218,48 +183,19 @@ OMMA_HD_CALLED void sample_scattering(const Packet<L>& packet, const PathState<L
   }
 }
 
-// How a mirror reflects in a band, over what it reflects, where that is by a table; else `mirror`.
-template <typename F, typename Mask>
-OMMA_HD Mueller<F> band_mirror(const float* tables, const BoundaryPlace<F>& at, Mask is_metal,
-                               const Mueller<F>& mirror, int band) {
-  const auto by_table = is_metal && at.table >= 0;
-  const Mueller<F> table = eval_boundary(tables, at, band);
-  const F scale = 1.0f / (table.a > 0.0f ? table.a : broadcast<F>(1.0f));
-  return {mirror.a, by_table ? table.b * scale : mirror.b, by_table ? table.c * scale : mirror.c};
-}
-
-// Lengthens the paths of the lanes from l on whose matrices differ by band:
-// lengthen(path, band, keep_at), which calls keep_at(k, x) for the elements k of the longer path.
-template <typename L, typename Lengthen>
-OMMA_HD void lengthen_by_band(const SceneView& scene, PathState<L>& state,
-                              const PathMemory& memory, int l, const Lengthen& lengthen) {
-  using F = typename L::F;
-  F largest[9] = {};
-  for (int b = 0; b < scene.bands; ++b)
-    lengthen(load_mueller(scene, state, memory, b, l), b, [&](int k, F x) {
-      store(memory.mueller + (k * scene.bands + b) * L::count + l, x);
-      const F size = x < 0.0f ? 0.0f - x : x;
-      largest[k] = size > largest[k] ? size : largest[k];
-    });
-  for (int k = 0; k < 9; ++k) store(state.mueller[k] + l, largest[k]);
-}
-
-// Throughput and Mueller matrices of paths that have gone on by a sample; `most` [lane]: the
+// Throughput, and Mueller matrices, of paths that have gone on by a sample; `most` [lane]: the
 // largest throughput of a path's bands.
 template <typename L, typename Search>
 OMMA_HD void update_throughput(const Flight<L, Search>& flight, const ScatteringPacket<L>& points,
                                const ScatteringSample<L>& sample, float* most) {
   using F = typename L::F;
-  const SceneView& scene = flight.scene;
-  Packet<L>& packet = flight.packet;
-  PathState<L>& state = flight.state;
-  const PathMemory& memory = flight.memory;
   using I = typename L::I;
+  const SceneView& scene = flight.scene;
+  const PathMemory& memory = flight.memory;
   for (int l = 0; l < L::count; l += L::width) {
     const Scattered<L>& by = sample.by;
     const LobeValues<F> lobes = load_lobes(by, l);
-    const I lobe = load<I>(sample.lobe + l);
-    const auto is_by = lobe == let_by, is_refracted = lobe == refracted;
+    const auto is_by = load<I>(sample.lobe + l) == let_by;
     F largest{};
     with_metal_lobe(scene, points.boundary, by, l, [&](const auto& metal_in) {
       for (int b = 0; b < scene.bands; ++b) {
@@ -273,50 +209,7 @@ OMMA_HD void update_throughput(const Flight<L, Search>& flight, const Scattering
       }
     });
     store(most + l, largest);
-    if (!scene.polarized) continue;
-
-    const auto is = [&](Lobe one) { return lobe == static_cast<std::int32_t>(one); };
-    const auto d = load_vector<F>(packet.rays.direction, l),
-               w = load_vector<F>(sample.direction, l);
-    const auto own = load_vector<F>(packet.reference, l);
-    const Vector3<F> s = reflection_axis(d, w, own), across = cross(d, own);
-    // As parts of what is reflected, which the throughput has.
-    const auto is_coat = is(Lobe::coat);
-    const auto is_metal = is(Lobe::metal);
-    const F a = is_coat ? lobes.coat : lobes.dielectric;
-    const F scale = 1.0f / (a > 0.0f ? a : broadcast<F>(1.0f));
-    const F b = (is_coat ? load<F>(by.coat[1] + l) : load<F>(by.dielectric[1] + l)) * scale;
-    const F c = (is_coat ? load<F>(by.coat[2] + l) : load<F>(by.dielectric[2] + l)) * scale;
-    const F one = broadcast<F>(1.0f);
-    const Mueller<F> mirror{one, is_metal ? F{} : b, is_metal ? 0.0f - one : c};
-    const Stokes<F> leaving{one, points.diffuse_q[l / L::width], points.diffuse_u[l / L::width]};
-    const FrameTurn<F> turn = frame_turn(own, across, s);
-    const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric) || is_refracted;
-    const auto is_straight = is(Lobe::straight) || is_by;
-    const auto lengthen = [&](const Mueller3<F>& before, const Mueller<F>& by_mirror,
-                              const auto& keep_at) {
-      const Mueller3<F> mirrored = before * turn * by_mirror;
-      const Mueller3<F> diffuse = depolarized(before, leaving);
-      for (int k = 0; k < 9; ++k) {
-        const int r = k / 3, q = k % 3;
-        const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];
-        keep_at(k, is_straight ? before.m[r][q] : scattered);
-      }
-    };
-    if (memory.mueller == nullptr) {
-      lengthen(load_mueller(state, l), mirror,
-               [&](int k, F x) { store(state.mueller[k] + l, x); });
-    } else {
-      const BoundaryPlace<F> at = load_boundary(scene, points.boundary, by, l);
-      lengthen_by_band(scene, state, memory, l,
-                       [&](const Mueller3<F>& path, int band, const auto& keep_at) {
-                         lengthen(path, band_mirror(scene.boundaries, at, is_metal, mirror, band),
-                                  keep_at);
-                       });
-    }
-    // Any axis across the new ray will do for what was depolarised.
-    const Vector3<F> next = select(is_mirrored, s, make_axes(w).tangent);
-    store_vector(packet.reference, l, select(is_straight, own, next));
+    if (scene.polarized) lengthen_matrices(flight, points, sample, l);
   }
 }
 

@@ -8,7 +8,6 @@
 #include "physics/path/media.h"
 #include "physics/rays/rays.h"
 #include "physics/sampling/path_points.h"
-#include "physics/surface/fresnel.h"
 #include "physics/views/path_memory.h"
 
 namespace omma {
@@ -75,29 +74,6 @@ OMMA_HD UnitPair<typename L::F> choose(const Packet<L>& packet, const PathState<
                    first + static_cast<std::uint32_t>(choice));
 }
 
-template <typename L>
-OMMA_HD Mueller3<typename L::F> load_mueller(const PathState<L>& state, int l) {
-  Mueller3<typename L::F> m;
-  for (int k = 0; k < 9; ++k) m.m[k / 3][k % 3] = load<typename L::F>(state.mueller[k] + l);
-  return m;
-}
-
-// Element k of the matrices of paths in a band, [lane].
-template <typename L>
-OMMA_HD const float* mueller_in(const SceneView& scene, const PathState<L>& state,
-                                const PathMemory& memory, int k, int band) {
-  return memory.mueller == nullptr ? state.mueller[k]
-                                   : memory.mueller + (k * scene.bands + band) * L::count;
-}
-template <typename L>
-OMMA_HD Mueller3<typename L::F> load_mueller(const SceneView& scene, const PathState<L>& state,
-                                             const PathMemory& memory, int band, int l) {
-  Mueller3<typename L::F> m;
-  for (int k = 0; k < 9; ++k)
-    m.m[k / 3][k % 3] = load<typename L::F>(mueller_in(scene, state, memory, k, band) + l);
-  return m;
-}
-
 // Lanes of which the last surface sampled all lights, though others read baked light.
 template <typename L>
 OMMA_HD LaneMask<L> having_sampled_all(const SceneView& scene, const PathState<L>& state) {
@@ -105,13 +81,11 @@ OMMA_HD LaneMask<L> having_sampled_all(const SceneView& scene, const PathState<L
   return lanes_where<L>([&](int l) { return load<typename L::I>(state.sampled_all + l) != 0; });
 }
 
-// Whether of light that arrives at a path's end more than I counts: not where a diffuse surface
-// lies on it.
+// Lanes whose paths have been scattered as often as the depth allows.
 template <typename L>
-OMMA_HD bool keeps_polarisation(const PathState<L>& state, int l) {
-  for (int k = 0; k < 9; ++k)
-    if (k % 3 != 0 && state.mueller[k][l] != 0.0f) return true;
-  return false;
+OMMA_HD LaneMask<L> at_full_depth(const SceneView& scene, const PathState<L>& state) {
+  return lanes_where<L>(
+      [&](int l) { return load<typename L::I>(state.scatterings + l) >= scene.depth; });
 }
 
 OMMA_HD bool is_from_eye(float density) {
@@ -127,33 +101,6 @@ template <typename F>
 OMMA_HD F balance(F chosen, F other) {
   const F sum = chosen + other;
   return sum > 0.0f ? chosen / sum : broadcast<F>(0.0f);
-}
-
-// Lanes whose path's Mueller matrix has something in one of the places for which `counts(k)` is so.
-template <typename L, typename Counts>
-OMMA_HD LaneMask<L> where_mueller(const PathState<L>& state, const Counts& counts) {
-  return lanes_where<L>([&](int l) {
-    using F = typename L::F;
-    F most{};
-    for (int k = 0; k < 9; ++k) {
-      if (!counts(k)) continue;
-      const F x = load<F>(state.mueller[k] + l);
-      most = most + x * x;
-    }
-    return most > 0.0f;
-  });
-}
-
-// Lanes of whose path's light more than I counts: those without a diffuse surface on it.
-template <typename L>
-OMMA_HD LaneMask<L> keeping_polarisation(const PathState<L>& state) {
-  return where_mueller<L>(state, [](int k) { return k % 3 != 0; });
-}
-
-// Lanes whose path brings more than I to the eye: not where the surface nearest to it is diffuse.
-template <typename L>
-OMMA_HD LaneMask<L> bringing_polarisation(const PathState<L>& state) {
-  return where_mueller<L>(state, [](int k) { return k / 3 != 0; });
 }
 
 }  // namespace omma
