@@ -136,6 +136,17 @@ def test_errors_name_columns_that_look_like_what_lacks(tmp_path, renamed, told):
         omma.load_eye(path)
 
 
+def test_errors_name_no_columns_in_place_of_what_is_read(tmp_path):
+    """A wrong number is all that lacks; normals beside angles are extra columns."""
+    cells = [[*row, 0, 1, 0] for row in rows()]
+    cells[3][ACCEPTANCE] = "wide"
+    path = tmp_path / "eye.csv"
+    path.write_text(csv_of(HEADER + ",nx,ny,nz", cells))
+    with pytest.raises(omma.Error, match="line 5") as told:
+        omma.load_eye(path)
+    assert "may be its" not in str(told.value)
+
+
 @pytest.mark.parametrize("gap", ["", "NA", "nan", "null"])
 @pytest.mark.parametrize("between", [",", ";"])
 def test_gaps_are_filled_by_the_nearest_where_that_is_said(tmp_path, whole, gap, between):
@@ -268,14 +279,22 @@ def test_what_excel_leaves_is_passed_over(tmp_path, whole, between, top):
     assert quiet(path) == whole
 
 
-def test_utf_16_is_told_by_name(tmp_path):
+@pytest.mark.parametrize("mark", [b"\xff\xfe", b"\xfe\xff"])
+@pytest.mark.parametrize("between", [",", "\t"])
+def test_utf_16_is_read_by_its_byte_order_mark(tmp_path, whole, mark, between):
+    """As Excel saves "Unicode text", with tabs."""
+    order = "utf-16-le" if mark == b"\xff\xfe" else "utf-16-be"
     path = tmp_path / "poses.csv"
-    path.write_bytes("x_m,y_m,z_m\n0,0,0\n".encode("utf-16"))
-    with pytest.raises(omma.Error, match=r"poses\.csv, line 1: .* found UTF-16"):
-        omma.load_poses(path)
+    path.write_bytes(
+        mark + "x,y,z,yaw_deg,pitch_deg,roll_deg\n1,2,3,0,0,0\n".replace(",", between).encode(order)
+    )
+    assert omma.load_poses(path)[0, :3, 3].tolist() == [1, 2, 3]
     eye = tmp_path / "eye.csv"
-    eye.write_bytes(csv_of().encode("utf-16"))
-    with pytest.raises(omma.Error, match=r"eye\.csv, line 1: .* found UTF-16"):
+    eye.write_bytes(mark + csv_of().replace(",", between).encode(order))
+    assert quiet(eye) == whole
+    cut = csv_of().splitlines()[:3]
+    eye.write_bytes(mark + "\n".join(cut).encode(order) + b"\x00")
+    with pytest.raises(omma.Error, match=r"eye\.csv, line 3: expected UTF-16 text, found other"):
         omma.load_eye(eye)
 
 

@@ -133,6 +133,44 @@ def test_in_pieces_as_at_once(scene, eye, flight):
         assert (other.render(flight, times_s=times_s) == whole).all()
 
 
+def test_data_sets_keep_what_was_before(scene, eye, flight):
+    """From them alone the same bits are rendered again."""
+    pytest.importorskip("xarray")
+    times_s = np.arange(6) * 0.01
+    still = omma.Renderer(omma.World(scene), eye, omma.Fixed(16), impulse_response=HOWARD)
+    thing = np.tile(np.eye(4), (6, 1, 1, 1))
+    thing[:, 0, 0, 3] = np.linspace(0, 3, 6)
+    moves = {
+        "times_s": times_s[3:],
+        "instances": [0],
+        "transforms": thing[3:],
+        "past": (flight[:3], times_s[:3], thing[:3]),
+    }
+    data = still.dataset(flight[3:6], **moves)
+    kept = {
+        "times_s": data.time.values,
+        "instances": data.instance_index.values,
+        "transforms": data.world_from_thing.values,
+        "past": (
+            data.past_world_from_head.values,
+            data.past_time_s.values,
+            data.past_world_from_thing.values,
+        ),
+    }
+    again = still.render(flight[3:6], **kept)
+    assert (again == data.response.values).all()
+    alone = still.render(flight[3:6], **kept | {"past": None})
+    assert (alone != again).any()
+    short = still.dataset(flight[3:6], times_s=times_s[3:], past=(flight[:3], times_s[:3]))
+    assert "past_world_from_thing" not in short
+    assert "past_time_s" not in still.dataset(flight[3:6], times_s=times_s[3:])
+
+    instants = omma.Renderer(still.world, eye, omma.Fixed(16))
+    truth = instants.ground_truth(flight[3:6])
+    with pytest.raises(omma.Error, match="past: is for renderers with an impulse response"):
+        instants.dataset(flight[3:6], truth=truth, past=(flight[:3], times_s[:3]))
+
+
 def test_a_head_that_stands_still_sees_instants(scene, eye, flight):
     poses = np.repeat(flight[:1], 5, axis=0)
     lasting = omma.Renderer(scene, eye, omma.Fixed(16), impulse_response=HOWARD)

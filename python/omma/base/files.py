@@ -52,24 +52,24 @@ def metres_per_unit(unit: str | float) -> float:
 def open_text(path: PathLike) -> io.TextIOWrapper:
     """The text of a file, to be read as an open one is; line ends are as they stand there.
 
+    It is UTF-8, or UTF-16 where a byte-order mark says so, as Excel saves "Unicode text".
+
     Raises:
-        omma.Error: it is no regular file (a pipe may never end), cannot be read or is not UTF-8.
+        omma.Error: it is no regular file (a pipe may never end), cannot be read or is neither.
     """
     data = _core.read_file(path)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise Error(
-            f"{os.fsdecode(path)}, line 1: expected UTF-8 text, found UTF-16 by its byte-order "
-            'mark; save it as "CSV UTF-8"'
-        )
+    is_utf_16 = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    encoding = "utf-16" if is_utf_16 else "utf-8-sig"
     try:
-        data.decode("utf-8-sig")
+        data.decode(encoding)
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        line = data[: error.start].decode(encoding, "replace").count("\n") + 1
         raise Error(
-            f"{os.fsdecode(path)}, line {line}: expected UTF-8 text, found other bytes"
+            f"{os.fsdecode(path)}, line {line}: expected {'UTF-16' if is_utf_16 else 'UTF-8'} "
+            "text, found other bytes"
         ) from None
     # Decoded again line by line: a million poses are then not in memory as text.
-    return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+    return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, newline="")
 
 
 @contextmanager

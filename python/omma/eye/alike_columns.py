@@ -42,14 +42,14 @@ _OPTIONAL = (
     _Alike("numbers of eyes", r"(eye|side|which_eye|eye_(side|number|nr|no))", "eye_id",
            "eye_id (0, 1, ...)"),
 )  # fmt: skip
-_NEEDED = (
-    _Alike("axes", rf"{_DIRECTION}[xyz]", "axis_", "axis_x, axis_y, axis_z", 2),
+_AXES = (_Alike("axes", rf"{_DIRECTION}[xyz]", "axis_", "axis_x, axis_y, axis_z", 2),)
+_ANGLES = (
     _Alike("azimuths", rf"(az|azim|azimuth|lon|longitude){_ANGLE}", "azimuth_",
            "azimuth_deg (or _rad)"),
     _Alike("elevations", rf"(el|elev|elevation|lat|latitude){_ANGLE}", "elevation_",
            "elevation_deg (or _rad)"),
-    _OPTIONAL[1],
 )  # fmt: skip
+_ACCEPTANCE = _OPTIONAL[1:2]
 
 
 def left_unread(names: Sequence[str]) -> list[str]:
@@ -65,8 +65,19 @@ def left_unread(names: Sequence[str]) -> list[str]:
 
 def instead_of_needed(names: Sequence[str]) -> str:
     """Which columns look like those that an eye must have, for the end of an error; or ""."""
-    found = [f"; {', '.join(a)} may be its {k.what}: {k.called}" for k, a in _found(names, _NEEDED)]
-    return "".join(found)
+    needed = _ACCEPTANCE
+    if not _reads_any(names, _ANGLES):
+        needed = _AXES + needed
+    if not _reads_any(names, _AXES):
+        needed = _ANGLES + needed
+    return "".join(
+        f"; {', '.join(alike)} may be its {kind.what}: {kind.called}"
+        for kind, alike in _found(names, needed)
+    )
+
+
+def _reads_any(names: Sequence[str], kinds: Sequence[_Alike]) -> bool:
+    return any(name.startswith(kind.read) for kind in kinds for name in names)
 
 
 def _found(names: Sequence[str], kinds: Sequence[_Alike]) -> list[tuple[_Alike, list[str]]]:

@@ -90,12 +90,12 @@ def load_csv(path: PathLike, *, fill_gaps: bool) -> Eye:
     header = _header(path)
     between = "," if "," in header else separator_of(header)
     try:
-        if between == "," and not fill_gaps and not _has_rests(path):
+        if between == "," and not fill_gaps and _is_plain(path):
             eye = _core.load_eye(path, 1e-3, "")
         else:
             eye = _read_anew(_read(path, between), name, fill_gaps)
     except Error as error:
-        raise Error(f"{error}{_hint(path, between, str(error))}") from None
+        raise Error(f"{error}{_hint(path, between)}") from None
     for sentence in left_unread(_cells(header, between)):
         warn_caller(f"{name}: {sentence}", UserWarning)
     return eye
@@ -108,8 +108,10 @@ def _is_rest(line: str) -> bool:
     )
 
 
-def _has_rests(path: PathLike) -> bool:
-    return any(_is_rest(line) for line in open_text(path))
+def _is_plain(path: PathLike) -> bool:
+    """Whether the engine reads it as it is: UTF-8 without what Excel leaves."""
+    text = open_text(path)
+    return text.encoding == "utf-8-sig" and not any(_is_rest(line) for line in text)
 
 
 def _header(path: PathLike) -> str:
@@ -219,7 +221,7 @@ def _reads_filled(table: _Table, gaps: list[int]) -> bool:
     return True
 
 
-def _hint(path: PathLike, between: str, message: str) -> str:
+def _hint(path: PathLike, between: str) -> str:
     """What may help a file that was refused, for the end of the error."""
     try:
         table = _read(path, between)
@@ -232,6 +234,4 @@ def _hint(path: PathLike, between: str, message: str) -> str:
             'load_eye(missing_acceptance="neighbours"), or omma eye convert --missing-acceptance '
             f"neighbours, gives them the mean of the {_NEAREST} that look nearest"
         )
-    if "found none" in message and f"line {table.lines[0]}:" in message:
-        return instead_of_needed(table.names)
-    return ""
+    return instead_of_needed(table.names)

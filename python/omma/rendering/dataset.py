@@ -19,7 +19,7 @@ from omma.base.progress import Progress
 from omma.rendering.call import Call, Frames, Poses, Prepared, poses_of
 from omma.rendering.labels import Labels, Variables, labels_of
 from omma.rendering.moves import MovesOptions, Things, renderer_method
-from omma.rendering.moves_told import MovesTold
+from omma.rendering.moves_told import MovesTold, Past
 from omma.rendering.receptor_frames import frames_of_receptors
 from omma.rendering.settings import ToError
 from omma.rendering.truth import GroundTruth, check_truth, origin_of, truth_variables
@@ -55,7 +55,8 @@ def dataset(
     Variables: ``response``, ``standard_error`` where asked for, ``rays`` with `ToError`;
     ``world_from_thing`` (pose, thing, 4, 4) of what ``transforms`` move, by name, with
     ``instance_index``, that in `World.instances`; with ``unseen`` ``unseen_group`` (pose), which
-    group of the attribute is not seen, -1 for none.
+    group of the attribute is not seen, -1 for none; with ``past`` ``past_time_s`` (past) and
+    ``past_world_from_head`` (past, 4, 4), and ``past_world_from_thing`` where it told that.
     Attributes: Omma's version, backend, settings, hashes (SHA-256) of the eye and of the
     scene's files as they are now; with noise="new_every_frame" ``first_pose``, the number of the
     first frame, with which `render` gives the same bits again. Where there are such:
@@ -155,6 +156,8 @@ def _labelled(labels: Labels, frames: Frames, things: Things, told: MovesTold) -
     if told.unseen_group is not None:
         of_pose = {"long_name": "which group of the attribute unseen is not seen, -1 for none"}
         data = data.assign({"unseen_group": ((first,), told.unseen_group, of_pose)})
+    if told.past is not None:
+        data = data.assign(_of_past(told.past))
     if not names:
         return data
     about = {"long_name": "where each thing that was moved is in the world; lengths in m"}
@@ -165,6 +168,20 @@ def _labelled(labels: Labels, frames: Frames, things: Things, told: MovesTold) -
     }
     with_things: xarray.Dataset = data.assign(moved)
     return with_things
+
+
+def _of_past(past: Past) -> Variables:
+    matrix = ("row", "column")
+    when = {"long_name": "when each pose before the first was", "units": "s"}
+    head = {"long_name": "where the head was before the first pose; lengths in m"}
+    variables: Variables = {
+        "past_time_s": (("past",), past.times_s, when),
+        "past_world_from_head": (("past", *matrix), past.poses, head),
+    }
+    if len(past.transforms) == len(past.times_s) and past.transforms.shape[1] > 0:
+        things = {"long_name": "where each thing that was moved was before the first pose"}
+        variables["past_world_from_thing"] = (("past", "thing", *matrix), past.transforms, things)
+    return variables
 
 
 def dataset_of(labels: Labels, values: dict[str, Any]) -> xarray.Dataset:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, get_type_hints
 
 import numpy as np
@@ -17,7 +18,7 @@ from omma.base.slips import warn_of_slip
 from omma.base.velocities import is_stretched, velocities_about, velocities_from_poses
 from omma.base.warn import warn_caller
 from omma.photoreceptors import ImpulseResponse
-from omma.rendering.moves_told import MovesTold
+from omma.rendering.moves_told import MovesTold, Past
 from omma.scene.world import World
 from omma.scene.world_moves import (
     Animations,
@@ -155,14 +156,13 @@ class Moves:
         self._animations = animations_of(world.scene, animation)
         self._past = np.empty((0, 4, 4)), np.empty(0)
         self._past_transforms = np.empty((0, len(self._instances), 4, 4))
-        past = options.get("past")
-        if past is not None:
+        self._told_past: Past | None = None
+        if options.get("past") is not None:
             if impulse_response is None:
                 raise Error("past: is for renderers with an impulse response, found one without")
-            self._past = _checked_past(past)
-            if len(past) == 3:
-                shape = (len(self._past[1]), len(self._instances), 4, 4)
-                self._past_transforms = array_of(past[2], "past", shape)
+            past = past_of(options["past"], len(self._instances))
+            self._past, self._past_transforms = (past.poses, past.times_s), past.transforms
+            self._told_past = past
         self._groups, self._group_of_pose = _groups_of(world, options.get("unseen"), poses)
         by_light = options.get("unseen_by_light")
         if by_light and options.get("unseen") is None:
@@ -173,7 +173,7 @@ class Moves:
     def told(self) -> MovesTold:
         """What data sets say of it, in a world as it is now."""
         unseen = self._groups, self._group_of_pose
-        told = MovesTold.of(self._world, unseen, self._by_light)
+        told = replace(MovesTold.of(self._world, unseen, self._by_light), past=self._told_past)
         return told.with_animation(self._world.scene, self._animation)
 
     def piece(self, first: int, count: int) -> Self:
@@ -321,14 +321,18 @@ class Moves:
             note_moves(self._world, things, self._times is not None)
 
 
-def _checked_past(past: Any) -> tuple[Matrices, NDArray[np.float64]]:
-    """Poses before the first, and when they were."""
+def past_of(past: Any, things: int) -> Past:
+    """What users say of what was before the first pose, where so many things are moved."""
     if not isinstance(past, (tuple, list)) or len(past) not in (2, 3):
         raise Error(
             f"past: expected (poses, times_s) or (poses, times_s, transforms), found {past!r:.40}"
         )
     matrices = as_poses(past[0])
-    return matrices, np.ascontiguousarray(array_of(past[1], "past", (len(matrices),)))
+    times = np.ascontiguousarray(array_of(past[1], "past", (len(matrices),)))
+    transforms = np.empty((0, things, 4, 4))
+    if len(past) == 3:
+        transforms = array_of(past[2], "past", (len(matrices), things, 4, 4))
+    return Past(matrices, times, transforms)
 
 
 def _groups_of(world: World, unseen: Any, poses: int) -> tuple[list[list[int]], NDArray[np.int32]]:

@@ -12,8 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma._core import Scene
+from omma.base.poses import Matrices
 from omma.scene.world import World
 from omma.scene.world_moves import Animations, animations_of
+
+
+@dataclass(frozen=True, eq=False)
+class Past:
+    """Where the head, and what was moved, had been before the first pose."""
+
+    poses: Matrices  # (N, 4, 4)
+    times_s: NDArray[np.float64]  # (N,)
+    transforms: NDArray[np.float64]  # (N, K, 4, 4), of what was moved; (0, K, 4, 4): not told
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +35,8 @@ class MovesTold:
     unseen_group: NDArray[np.int32] | None
     """(P,), which group of things in the attribute ``unseen`` each pose's eye does not see, -1 for
     none; None where all is seen."""
+    past: Past | None = None
+    """None where the call said nothing of what was before."""
 
     @classmethod
     def of(

@@ -66,6 +66,7 @@ def moves_of(
         "instances": moves.get("instances"),
         "transforms": moves.get("transforms"),
         "unseen": moves.get("unseen"),
+        "past": moves.get("past"),
     }
     by_light = moves.get("unseen_by_light")
     if origin is None or moves.get("unseen") is not None:
