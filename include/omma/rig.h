@@ -104,6 +104,9 @@ Mat4 camera_at(const Scene& scene, int camera, double time_s, const std::vector<
 // transform has no inverse.
 Rig placed_rig(const Rig& rig, const Mat4& world_from_scene);
 
+// The same rig with cameras, and so eyes, that are larger by a factor.
+Rig with_scaled_cameras(const Rig& rig, double factor);
+
 // How many meshes, cameras and nodes the scenes before have.
 struct RigOffsets {
   int meshes = 0, cameras = 0, nodes = 0;

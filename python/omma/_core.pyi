@@ -972,6 +972,9 @@ class Rig:
 
 def placed_rig(rig: Rig, world_from_scene: numpy.typing.ArrayLike) -> Rig: ...
 
+def with_scaled_cameras(rig: Rig, factor: float) -> Rig:
+    """The same rig with cameras, and so eyes, that are larger by a factor."""
+
 def joined_rig(rig: Rig, other: Rig, meshes: int, cameras: int, nodes: int) -> Rig:
     """
     The rig of two scenes, where so many meshes, cameras and nodes come before the second's.

@@ -55,6 +55,8 @@ void bind_rig(nb::module_& m) {
       },
       nb::arg("rig"), nb::arg("world_from_scene"),
       nb::sig("def placed_rig(rig: Rig, world_from_scene: numpy.typing.ArrayLike) -> Rig"));
+  m.def("with_scaled_cameras", &with_scaled_cameras, nb::arg("rig"), nb::arg("factor"),
+        "The same rig with cameras, and so eyes, that are larger by a factor.");
   m.def(
       "joined_rig",
       [](const Rig& one, const Rig& other, int meshes, int cameras, int nodes) {

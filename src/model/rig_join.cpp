@@ -1,5 +1,6 @@
 // Rigs of scenes that are put elsewhere or together.
 #include <cmath>
+#include <utility>
 
 #include "model/scene_place.h"
 #include "model/transform.h"
@@ -29,6 +30,19 @@ Rig placed_rig(const Rig& rig, const Mat4& world_from_scene) {
     deformation.mesh_from_world = deformation.mesh_from_world * inverse(world_from_scene);
   }
   return placed;
+}
+
+Rig with_scaled_cameras(const Rig& rig, double factor) {
+  Rig scaled = rig;
+  for (std::size_t n = 0; n < rig.nodes.size(); ++n) {
+    if (rig.nodes[n].camera < 0) continue;
+    RigNode mount;
+    mount.parent = static_cast<int>(n);
+    mount.scale = {factor, factor, factor};
+    std::swap(mount.camera, scaled.nodes[n].camera);
+    scaled.nodes.push_back(std::move(mount));
+  }
+  return scaled;
 }
 
 void append_rig(Rig& rig, const Rig& other, const RigOffsets& before) {

@@ -164,3 +164,20 @@ def swinging_box(path):
     node = made.node(mesh=made.mesh(*cube()[::2]), name="box", translation=[0, 0, -3])
     made.animation([(node, "translation", [0, 1], [[0, 0, -3], [1, 0, -3]], "LINEAR")], "swing")
     return omma.load_scene(made.write(path))
+
+
+def nested(tmp_path):
+    """A tower: an arm on a turning base, a box at its end; a camera on the arm, a stone beside."""
+    made = Builder()
+    mesh = made.mesh(*cube(0.25)[::2])
+    tower = made.node(name="tower", translation=[10, 0, 0], scale=[2, 2, 2])
+    base = made.node(tower, name="base", mesh=mesh)
+    arm = made.node(base, name="arm", translation=[0, 1, 0])
+    made.node(arm, name="box", mesh=mesh, translation=[0, 0, -3])
+    made.document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
+    made.node(arm, name="eye", camera=0, translation=[0, 0.5, 0])
+    made.node(name="stone", mesh=mesh, translation=[0, 0, 5])
+    turns = [[0, 0, 0, 1], [0, 1, 0, 0]]
+    made.animation([(base, "rotation", [0, 2], turns, "LINEAR")], "turn")
+    made.animation([(arm, "translation", [0, 1], [[0, 1, 0], [0, 3, 0]], "LINEAR")], "lift")
+    return omma.load_scene(made.write(tmp_path / "nested.gltf"))

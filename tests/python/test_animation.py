@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
-from animated_scenes import Builder, cube, transform, tube
+from animated_scenes import Builder, cube, nested, transform, tube
 from conftest import make_eye
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
@@ -118,23 +118,6 @@ def test_keys_may_be_bytes_and_shorts(tmp_path):
         expected = transform(rotation=[0, np.sin(np.pi / 8), 0, np.cos(np.pi / 8)])
         # Half a step of a byte, before the quaternion is normalised.
         assert np.allclose(place(world, 0.5), expected, rtol=0, atol=1 / most)
-
-
-def nested(tmp_path):
-    """A tower: an arm on a turning base, a box at its end; a camera on the arm, a stone beside."""
-    made = Builder()
-    mesh = made.mesh(*cube(0.25)[::2])
-    tower = made.node(name="tower", translation=[10, 0, 0], scale=[2, 2, 2])
-    base = made.node(tower, name="base", mesh=mesh)
-    arm = made.node(base, name="arm", translation=[0, 1, 0])
-    made.node(arm, name="box", mesh=mesh, translation=[0, 0, -3])
-    made.document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
-    made.node(arm, name="eye", camera=0, translation=[0, 0.5, 0])
-    made.node(name="stone", mesh=mesh, translation=[0, 0, 5])
-    turns = [[0, 0, 0, 1], [0, 1, 0, 0]]
-    made.animation([(base, "rotation", [0, 2], turns, "LINEAR")], "turn")
-    made.animation([(arm, "translation", [0, 1], [[0, 1, 0], [0, 3, 0]], "LINEAR")], "lift")
-    return omma.load_scene(made.write(tmp_path / "nested.gltf"))
 
 
 def test_children_move_with_their_parents(tmp_path):
@@ -551,65 +534,3 @@ def test_lit_worlds_see_what_bends(tmp_path, backend):
     built = omma.World(scene, backend=backend).at(1.0).with_light(light, ultraviolet="dark")
     expected = omma.Renderer(built, eye, omma.Fixed(16)).render(np.eye(4))
     assert np.array_equal(seen, expected)
-
-
-def test_cameras_that_are_named_are_where_animations_have_them(tmp_path):
-    """With times one pose for each of them, without where `at` has put them, else at rest."""
-    scene = nested(tmp_path)
-    rest = scene.camera("eye").world_from_camera
-    world = omma.World(scene, backend="portable")
-    eye = make_eye(20)
-    renderer = omma.Renderer(world, eye, omma.Fixed(4))
-    times = [0.0, 0.4, 1.5]
-    path = np.array([world.camera_at("eye", time) for time in times])
-    assert np.ptp(path, axis=0).max() > 1
-    given = renderer.render(path, times_s=times)
-    assert np.array_equal(renderer.render("eye", times_s=times), given)
-    assert np.array_equal(list(renderer.render_iter("eye", times_s=times)), given)
-    truth = renderer.ground_truth("eye", times_s=times)
-    assert np.array_equal(truth.world_from_head, path)
-    assert np.array_equal(renderer.ground_truth(path, times_s=times).flow_rad_s, truth.flow_rad_s)
-    assert np.array_equal(renderer.dataset("eye", truth=truth).world_from_head, path)
-    lift = [world.camera_at("eye", time, "lift") for time in times]
-    assert np.array_equal(
-        renderer.render("eye", times_s=times, animation="lift"),
-        renderer.render(lift, times_s=times, animation="lift"),
-    )
-    population = omma.Population(world, [eye], omma.Fixed(4))
-
-    def is_at(world, pose):
-        """Of all that take the name."""
-        renderer = omma.Renderer(world, eye, omma.Fixed(4))
-        camera = scene.camera("eye").replace(world_from_camera=pose)
-        picture = omma.render_camera(world, camera, width=8, samples=1)
-        return (
-            np.array_equal(renderer.ground_truth("eye").world_from_head[0], pose)
-            and np.array_equal(omma.render_camera(world, "eye", width=8, samples=1), picture)
-            and np.array_equal(omma.render_camera(world, 0, width=8, samples=1), picture)
-        )
-
-    assert is_at(world, rest)
-    world.at(1.5)
-    assert is_at(world, path[2])
-    assert np.array_equal(population.render("eye")[0], population.render(path[2])[0])
-    assert is_at(pickle.loads(pickle.dumps(world)), path[2])
-    assert is_at(world.with_background(omma.Background.constant((1, 0, 0))), path[2])
-    with pytest.raises(omma.Error, match="animation"):
-        renderer.render("eye", times_s=times, animation=7)
-    world.at(0.5, "lift")
-    assert is_at(world, world.camera_at("eye", 0.5, "lift"))
-
-
-def test_cameras_that_nothing_moves_stay(tmp_path):
-    made = Builder()
-    made.document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
-    made.node(name="eye", camera=0, translation=[0, 1, 2])
-    node = made.node(mesh=made.mesh(*cube()[::2]), name="box", translation=[0, 0, -3])
-    made.animation([(node, "translation", [0, 1], [[0, 0, -3], [1, 0, -3]], "LINEAR")])
-    world = omma.World(omma.load_scene(made.write(tmp_path / "still.gltf")), backend="portable")
-    renderer = omma.Renderer(world, make_eye(20), omma.Fixed(4))
-    rest = world.scene.camera("eye").world_from_camera
-    found = renderer.ground_truth("eye", times_s=[0.2, 0.5])
-    assert np.array_equal(found.world_from_head, [rest, rest])
-    world.at(0.7)
-    assert np.array_equal(renderer.ground_truth("eye").world_from_head, [rest])

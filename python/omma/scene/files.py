@@ -164,7 +164,8 @@ def _as_written(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
         one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
     ]
     if cameras:
-        placed = placed.replace(cameras=cameras)
+        rig = placed.rig and _core.with_scaled_cameras(placed.rig, 1 / metres)
+        placed = placed.replace(cameras=cameras, rig=rig)
     return _core.with_path(placed, scene.path, warnings_of_file(scene))
 
 
