@@ -149,7 +149,7 @@ def test_a_skewed_design_has_the_median_asked_for(degrees, centre):
     towards = omma.eye.direction(60, 0)
     d = d[angle(d, np.broadcast_to(towards, d.shape)) < D(80)]
     surface = omma.eye.surfaces.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3), (1.4e-3, 0, 0))
-    factor = omma.eye.skew.squeeze_for_skew(d, surface, towards, D(degrees), centre_m=centre)
+    factor = omma.eye.skew.squeeze_for_skew(d, surface, towards, D(degrees), center_m=centre)
     eye = omma.eye.eye_on_surface(d, surface, normal=omma.eye.skew.squeezed(towards, factor))
     skew = (
         omma.eye.skew.skew_rad(eye, surface=surface)
@@ -333,3 +333,9 @@ def test_wrong_arguments_are_named(call, words):
         call()
     for word in words:
         assert word in str(caught.value)
+
+
+def test_the_old_name_of_a_centre_works_with_a_warning():
+    with pytest.warns(DeprecationWarning, match="centre_m: is called center_m now"):
+        old = omma.eye.surfaces.sphere(1e-3, centre_m=(1e-3, 0, 0))
+    assert old == omma.eye.surfaces.sphere(1e-3, center_m=(1e-3, 0, 0))

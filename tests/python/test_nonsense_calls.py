@@ -554,7 +554,7 @@ def public_calls(folder):
         "superposition_facets": (eye, 1e-3),
         "up_towards": (eye, (0, 1, 0)),
         "variance_map": {
-            "scene": renderer, "centre_m": (0, 1, 0), "size_m": 1.0, "steps": 2, "repeats": 2,
+            "scene": renderer, "center_m": (0, 1, 0), "size_m": 1.0, "steps": 2, "repeats": 2,
         },
         "window": (),
         "Bar": (10.0, 60.0),

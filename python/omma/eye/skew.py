@@ -15,6 +15,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
+from omma.base.renamed import renamed_arguments
 from omma.eye.surfaces import Surface
 
 __all__ = ["skew_rad", "squeeze_for_skew", "squeezed"]
@@ -45,6 +46,7 @@ def squeezed(towards: ArrayLike, factor: float) -> NormalOf:
     return normal
 
 
+@renamed_arguments(centre_m="center_m")
 @checked
 def squeeze_for_skew(
     directions: ArrayLike,
@@ -52,10 +54,10 @@ def squeeze_for_skew(
     towards: ArrayLike,
     median_rad: float,
     *,
-    centre_m: ArrayLike | None = None,
+    center_m: ArrayLike | None = None,
 ) -> float:
     """The factor with which `squeezed` gives a median skew: of the angle between axis and surface
-    normal or, with ``centre_m``, between axis and position from there.
+    normal or, with ``center_m``, between axis and position from there.
 
     Raises:
         omma.Error: no factor from 0.02 to 1 gives it; the message says what they give.
@@ -66,9 +68,9 @@ def squeeze_for_skew(
     def median(factor: float) -> float:
         normals = squeezed(towards, factor)(axes)
         positions = normals
-        if centre_m is not None:
+        if center_m is not None:
             positions = normalized(
-                surface.point_of_normal(normals) - array_of(centre_m, "centre_m", (3,))
+                surface.point_of_normal(normals) - array_of(center_m, "center_m", (3,))
             )
         return float(np.median(angle_between(axes, positions)))
 
@@ -94,11 +96,12 @@ def squeeze_for_skew(
     return float((low + high) / 2)
 
 
+@renamed_arguments(centre_m="center_m")
 @checked
 def skew_rad(
-    eye: Eye, *, centre_m: ArrayLike = (0.0, 0.0, 0.0), surface: Surface | None = None
+    eye: Eye, *, center_m: ArrayLike = (0.0, 0.0, 0.0), surface: Surface | None = None
 ) -> Floats:
-    """The angle (N,) between each axis and the position seen from ``centre_m`` (by default the
+    """The angle (N,) between each axis and the position seen from ``center_m`` (by default the
     origin, an eye's or a head's middle), or the normal of ``surface`` where it is given.
 
     Raises:
@@ -108,7 +111,7 @@ def skew_rad(
     if surface is not None:
         across = surface.normals(surface.onto(position))
     else:
-        across = position - array_of(centre_m, "centre_m", (3,))
+        across = position - array_of(center_m, "center_m", (3,))
         if not np.linalg.norm(across, axis=1).all():
             raise Error("skew_rad: an ommatidium sits at the centre, so it has no direction")
     return angle_between(eye.axis.astype(np.float64), across)

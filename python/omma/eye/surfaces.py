@@ -23,6 +23,7 @@ from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.mesh_triangles import triangles_of_file
+from omma.base.renamed import renamed_arguments, renamed_fields
 from omma.base.spirals import fibonacci_lattice, golden_angles_back
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
@@ -61,34 +62,35 @@ class Surface(Protocol):
         """Distance (K,) to where it ends; None where it is closed."""
 
 
+@renamed_fields(centre_m="center_m")
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Ellipsoid:
     """An ellipsoid by its centre and semi-axes to the right, up and forward, metres."""
 
     semi_axes_m: tuple[float, float, float]
-    centre_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    center_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         for length in self.semi_axes_m:
             positive(length, "semi_axes_m")
-        if len(self.semi_axes_m) != 3 or not np.isfinite(self.centre_m).all():
+        if len(self.semi_axes_m) != 3 or not np.isfinite(self.center_m).all():
             raise Error(
                 f"ellipsoid: expected three semi-axes and a centre, found {self.semi_axes_m}, "
-                f"{self.centre_m}"
+                f"{self.center_m}"
             )
 
     def onto(self, points: Floats) -> Floats:
         points = array_of(points, "points", (None, 3))
-        from_centre = points - self.centre_m
+        from_centre = points - self.center_m
         sphere = from_centre / self.semi_axes_m
         return np.asarray(
-            self.centre_m + from_centre / np.linalg.norm(sphere, axis=1, keepdims=True)
+            self.center_m + from_centre / np.linalg.norm(sphere, axis=1, keepdims=True)
         )
 
     def normals(self, points: Floats) -> Floats:
         points = array_of(points, "points", (None, 3))
-        return normalized((points - self.centre_m) / np.square(self.semi_axes_m))
+        return normalized((points - self.center_m) / np.square(self.semi_axes_m))
 
     def near(self, points: Floats) -> tuple[Floats, Floats]:
         on_surface = self.onto(points)
@@ -98,12 +100,12 @@ class Ellipsoid:
         directions = array_of(directions, "directions", (None, 3))
         stretched = directions * np.square(self.semi_axes_m)
         size = np.linalg.norm(directions * np.asarray(self.semi_axes_m), axis=1, keepdims=True)
-        return np.asarray(self.centre_m + stretched / size)
+        return np.asarray(self.center_m + stretched / size)
 
     def samples(self, count: int) -> tuple[Floats, Floats]:
         count = whole(count, "count", 1, _MOST_SAMPLES)
         points, stretch = stretched(even_directions(count), np.asarray(self.semi_axes_m))
-        return np.asarray(self.centre_m + points), stretch * (4 * math.pi / count)
+        return np.asarray(self.center_m + points), stretch * (4 * math.pi / count)
 
     def to_edge(self, points: Floats) -> Floats | None:
         return None
@@ -122,19 +124,21 @@ def stretched(directions: Floats, semi_axes_m: Floats) -> tuple[Floats, Floats]:
     return directions * semi_axes_m, np.asarray(stretch)
 
 
+@renamed_arguments(centre_m="center_m")
 @checked
-def sphere(radius_m: float, centre_m: Sequence[float] = (0.0, 0.0, 0.0)) -> Ellipsoid:
+def sphere(radius_m: float, center_m: Sequence[float] = (0.0, 0.0, 0.0)) -> Ellipsoid:
     """A sphere as a surface for `eye_on_surface` and `lay_on_surface`.
 
     Raises:
         omma.Error: a radius that is not above 0, a centre that is none.
     """
-    return ellipsoid((radius_m, radius_m, radius_m), centre_m)
+    return ellipsoid((radius_m, radius_m, radius_m), center_m)
 
 
+@renamed_arguments(centre_m="center_m")
 @checked
 def ellipsoid(
-    semi_axes_m: Sequence[float], centre_m: Sequence[float] = (0.0, 0.0, 0.0)
+    semi_axes_m: Sequence[float], center_m: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> Ellipsoid:
     """An ellipsoid as a surface; semi-axes to the right, up and forward.
 
@@ -142,7 +146,7 @@ def ellipsoid(
         omma.Error: lengths that are not above 0, a centre that is none.
     """
     lengths = array_of(semi_axes_m, "semi_axes_m", (3,)).tolist()
-    centre = array_of(centre_m, "centre_m", (3,)).tolist()
+    centre = array_of(center_m, "center_m", (3,)).tolist()
     return Ellipsoid((lengths[0], lengths[1], lengths[2]), (centre[0], centre[1], centre[2]))
 
 

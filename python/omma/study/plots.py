@@ -19,6 +19,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked
 from omma.base.figures import load_matplotlib
 from omma.base.files import PathLike, WholeFiles, check_ending, write_whole
+from omma.base.renamed import renamed_arguments
 from omma.base.tables import csv_text
 from omma.study.search import MinimumSamples
 from omma.study.speed_test import PUBLISHED_FRAMES_PER_S, PUBLISHED_RAYS, SpeedTest
@@ -69,11 +70,12 @@ def save_minimum_samples(path: PathLike, found: Sequence[MinimumSamples]) -> Non
     _save_png(path, figure)
 
 
+@renamed_arguments(centre_m="center_m")
 @checked
 def save_variance_map(
     path: PathLike,
     variance: ArrayLike,
-    centre_m: ArrayLike,
+    center_m: ArrayLike,
     size_m: float,
     *,
     measure: Measure = "linear",
@@ -93,7 +95,7 @@ def save_variance_map(
     if values.ndim != 2 or values.shape[0] != values.shape[1]:
         raise Error(f"variance: expected shape (n, n), found {values.shape}")
     values = values if as_variance else np.sqrt(values)
-    x, z = cell_middles(centre_m, size_m, len(values))
+    x, z = cell_middles(center_m, size_m, len(values))
     suffix = _suffix(path, ".npy", ".csv", ".png")
     if suffix == ".npy":
         with WholeFiles() as files:

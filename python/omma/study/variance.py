@@ -18,7 +18,7 @@ from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_pose, as_poses, numbers
 from omma.base.progress import Progress, Stage, share_of
-from omma.base.renamed import renamed_fields
+from omma.base.renamed import renamed_arguments, renamed_fields
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import AngularSensitivityName, Fixed, PointsName
@@ -186,10 +186,11 @@ def _variance(estimates: NDArray[np.float32], measure: Measure) -> Array:
     return summed
 
 
+@renamed_arguments(centre_m="center_m")
 @checked
 def variance_map(
     scene: Scene | Renderer,
-    centre_m: ArrayLike,
+    center_m: ArrayLike,
     size_m: float,
     *,
     steps: int = 21,
@@ -209,7 +210,7 @@ def variance_map(
 
     Args:
         scene: what there is to see, or a renderer of it.
-        centre_m: middle of the square (3,), m; its y is the height of the eye.
+        center_m: middle of the square (3,), m; its y is the height of the eye.
         size_m: side of the square, over 0.
         steps: cells along a side.
         statistic: of the twelve ommatidia: "max" or "mean".
@@ -226,8 +227,8 @@ def variance_map(
     """
     if statistic not in ("max", "mean"):
         raise Error(f"statistic: expected max or mean, found {statistic!r}")
-    x, z = cell_middles(centre_m, size_m, whole(steps, "steps", 1, 1 << 12))
-    height = numbers(centre_m, "centre_m", 3)[0, 1]
+    x, z = cell_middles(center_m, size_m, whole(steps, "steps", 1, 1 << 12))
+    height = numbers(center_m, "center_m", 3)[0, 1]
     poses = np.tile(np.eye(4), (steps, steps, 1, 1))
     poses[:, :, 0, 3], poses[:, :, 1, 3], poses[:, :, 2, 3] = x[None], height, z[:, None]
     variance = response_variances(
@@ -246,9 +247,9 @@ def variance_map(
     return result
 
 
-def cell_middles(centre_m: ArrayLike, size_m: float, steps: int) -> tuple[Array, Array]:
+def cell_middles(center_m: ArrayLike, size_m: float, steps: int) -> tuple[Array, Array]:
     """x (steps,) and z (steps,), m, of the cells of `variance_map`."""
-    centre = numbers(centre_m, "centre_m", 3)[0]
+    centre = numbers(center_m, "center_m", 3)[0]
     if not (size_m > 0 and np.isfinite(size_m)):
         raise Error(f"size_m: expected over 0, found {size_m}")
     offsets = ((np.arange(steps) + 0.5) / steps - 0.5) * size_m
