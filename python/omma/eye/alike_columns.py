@@ -65,7 +65,7 @@ def left_unread(names: Sequence[str]) -> list[str]:
 
 def instead_of_needed(names: Sequence[str]) -> str:
     """Which columns look like those that an eye must have, for the end of an error; or ""."""
-    needed = _ACCEPTANCE
+    needed: tuple[_Alike, ...] = _ACCEPTANCE
     if not _reads_any(names, _ANGLES):
         needed = _AXES + needed
     if not _reads_any(names, _AXES):
