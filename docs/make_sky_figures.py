@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 
 from omma.light.sky_tables import clear_sky_map
+from omma.picture.unseen import CYCLIC_COLOURS
 
 FOLDER = Path(__file__).resolve().parent
 SUNS_DEG = (60, 30, 5, -3)
@@ -124,7 +125,7 @@ def main() -> None:
         "angle",
         "angle of polarisation from the vertical, to the right (degrees)",
         angle,
-        "twilight_shifted",
+        CYCLIC_COLOURS,
         lambda _: Normalize(-90, 90),
     )
     spectra()

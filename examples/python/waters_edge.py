@@ -27,6 +27,7 @@ SUN_ELEVATION_DEG, SUN_AZIMUTH_DEG = 35.0, 200.0
 ABOVE_WATER_M = 1.0
 WIDEST_DEG = 75.0  # of directions, from straight down
 DEGREE, OFF_LEVEL_DEG = 0.15, 10.0
+LEAST_DEGREE = 0.02  # below it there is no angle to draw
 BREWSTER_DEG = np.degrees(np.arctan(1.333))
 
 
@@ -138,8 +139,8 @@ def draw(path, eye, found, water):
         bar.set_label("photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", fontsize=7.5)
         drawn = disc(panels[1], eye, degree, "degree of polarisation", cmap="magma", vmin=0, vmax=1)
         figure.colorbar(drawn, ax=panels[1], shrink=0.7, pad=0.03)
-        shown = np.where(degree > 0.02, off_level, np.nan)
-        panels[2].set_facecolor("0.93")
+        shown = np.where(degree > LEAST_DEGREE, off_level, np.nan)
+        panels[2].set_facecolor("0.62")
         drawn = disc(panels[2], eye, shown, "electric vector, degrees from level",
                      cmap="twilight", vmin=-90, vmax=90)  # fmt: skip
         figure.colorbar(drawn, ax=panels[2], shrink=0.7, pad=0.03, ticks=[-90, 0, 90])
@@ -157,8 +158,8 @@ def draw(path, eye, found, water):
     curves.set_title("median degree of polarisation", fontsize=9.5)
     curves.spines[["top", "right"]].set_visible(False)
     curves.legend(frameon=False, fontsize=8.5, loc="upper left")
-    figure.suptitle("340 to 380 nm, looking down near a bank; blue rings: taken for water",
-                    fontsize=10.5)  # fmt: skip
+    figure.suptitle("340 to 380 nm, looking down near a bank; blue rings: taken for water; "
+                    f"grey: less than {LEAST_DEGREE:.0%} polarised", fontsize=10.5)  # fmt: skip
     figure.savefig(path, dpi=120)
 
 

@@ -140,6 +140,40 @@ def test_names_of_files_and_words_stay():
     )
 
 
+# Words of a light that are also options of a command that has --light.
+@pytest.mark.parametrize(
+    ("command", "words", "said"),
+    [
+        ("show", "haze_kind=dust", "--light: haze_kind: expected one of rural, urban"),
+        ("show", "sun_elevation=30", ", height_m, haze_kind, unit, bands,"),
+        ("show", "haze_kind=urban haze_kind=urban", "--light: haze_kind: is said twice"),
+        ("show", "unit=lux", "--light: unit: expected"),
+        ("render", "unit=lux", "--light: unit: expected"),
+        ("render", "sun_elevation=30", ", height_m, haze_kind, unit, bands,"),
+        ("render", "lighting=fog", "--light: lighting: expected"),
+    ],
+)
+def test_words_of_a_light_stay_words(run_omma, monkeypatch, folder, command, words, said):
+    monkeypatch.chdir(folder)
+    light = ["--light", f"clear_sky sun_elevation_deg=30 {words}"]
+    start = ["light", "show"] if command == "show" else ["render", "grey.glb", "--eye", "bee.csv"]
+    if command == "show":
+        pytest.importorskip("matplotlib")
+    code, _, err = run_omma(*start, *light, "-o", "out.png")
+    assert code == 1
+    assert said in err.splitlines()[-1]
+    assert "--" not in err.splitlines()[-1].replace("--light: ", "", 1)
+
+
+def test_words_of_a_light_stay_words_in_the_middle_of_a_message():
+    options = {"--light", "--look-at", "--unit", "--ultraviolet"}
+    of_light = 'light: height_m: expected unit="watts" and look_at'
+    assert as_typed(of_light, options) == f"--{of_light}"
+    assert as_typed(f"a/unit.glb: {of_light}", options) == f"a/unit.glb: --{of_light}"
+    assert as_typed("baked light: expected look_at", options) == "baked light: expected --look-at"
+    assert as_typed(of_light, {"--unit"}) == "light: height_m: expected --unit watts and look_at"
+
+
 def test_calls_of_python_stay():
     options = {"--look-at", "--unit", "--standard-error"}
     call = 'omma.f.g(a, numpy.load(look_at), standard_error=True, unit="mm")'

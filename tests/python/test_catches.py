@@ -304,7 +304,12 @@ def test_what_is_taken_from_another_animal_is_said():
     assert [t.peak_wavelength_nm for t in robber.eye.receptor_types] == [490, 350, 440, 520]
     assert robber.assumed[0].startswith("one receptor of each pigment of calliphora (490, 350,")
     bee = omma.species.honeybee_worker(assume="bumblebee")
-    assert bee.assumed == ()  # it lacks nothing that photons are counted by
+    # It lacks nothing that photons are counted by; only the time is the bumblebee's.
+    assert bee.assumed == (
+        "integration time of ultraviolet 12.3 ms, as of bumblebee (measured)",
+        "integration time of blue 9.8 ms, as of bumblebee (measured)",
+        "integration time of green 7.9 ms, as of bumblebee (measured)",
+    )
     assert bee.eye.receptor_types == omma.species.honeybee_worker().eye.receptor_types
 
 

@@ -509,6 +509,7 @@ def test_the_spectrums_axis_has_its_power_of_ten_beside_the_unit(tmp_path, monke
 
 def test_what_has_no_angle_is_said(tmp_path, monkeypatch):
     from omma.picture import sky_plots
+    from omma.picture.unseen import NOT_KNOWN
 
     figures = []
     monkeypatch.setattr(sky_plots, "save", lambda one, *_: figures.append(one))
@@ -520,5 +521,13 @@ def test_what_has_no_angle_is_said(tmp_path, monkeypatch):
         light = omma.light.Light(omma.light.Bands.equal(1), sky=each)
         omma.picture.plot_sky(tmp_path / "a.png", light, [500])
     said = [[text.get_text() for text in figure.axes[2].texts] for figure in figures]
-    assert "white: less than 1% polarised" not in said[0]
-    assert "white: less than 1% polarised" in said[1]
+    assert "grey: less than 1% polarised" not in said[0]
+    assert "grey: less than 1% polarised" in said[1]
+    # The grey is there, where there is no angle, and no colour of an angle.
+    angle, ground = figures[1].axes[2].images
+    is_grey = ground.get_array()[..., 3] == 1
+    assert is_grey.any()
+    assert not (is_grey & ~np.ma.getmaskarray(angle.get_array())).any()
+    grey = ground.get_array()[is_grey][0, :3]
+    assert np.all(grey == NOT_KNOWN)
+    assert np.abs(angle.cmap(np.linspace(0, 1, 512))[:, :3] - grey).max(axis=1).min() > 0.1

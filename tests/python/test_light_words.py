@@ -63,7 +63,12 @@ def test_they_are_the_arguments_of_a_world():
         ("", "expected one of clear_sky, .*found ''"),
         ("sun", "expected one of clear_sky, .*found 'sun'"),
         ("clear_sky 30", "expected name=value, .*sun_elevation_deg.*found '30'"),
-        ("clear_sky sun=30 up=1", "expected name=value, .*found 'up=1'"),
+        ("clearsky sun_elevation_deg=30", "found 'clearsky'; did you mean 'clear_sky'"),
+        ("clear_sky sun=30 up=1", "light: clear_sky: expected one of sun_elev.*, found 'up'$"),
+        (
+            "clear_sky sun_elevation=30",
+            "expected one of .*, found 'sun_elevation'; did you mean 'sun_elevation_deg'",
+        ),
         ("clear_sky sun_elevation_deg=1 sun_elevation_deg=2", "sun_elevation_deg: is said twice"),
         ("clear_sky", "light: .*sun_elevation_deg"),
         ("clear_sky sun_elevation_deg=high", "light: sun_elevation_deg"),

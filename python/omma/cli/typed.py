@@ -9,6 +9,8 @@ from collections.abc import Collection
 _SAMPLING = re.compile(r"sampling: expected omma\.Fixed for (.+), found (ToError|Shared)\(.*")
 # The subject of a message: one argument or several, at its beginning or after a file name.
 _SUBJECT = re.compile(r"(?:^|(?<=: ))\w+(?:(?:, | and )\w+)*(?=: )")
+# What is said of --light is in its own words, some of which are called as options are.
+_WORDS_OF_LIGHT = re.compile(r"(?:^|(?<=: ))light: .*", re.DOTALL)
 # An argument with a value: name=value.
 _SAID = re.compile(r"\b([a-z_]+)=(?:\"([^\"]*)\"|'([^']*)'|([\d.]*\d)|(True))")
 # What is to be written in Python stays as it is: calls, with calls among their arguments.
@@ -40,6 +42,9 @@ def as_typed(message: str, options: Collection[str]) -> str:
         option = "--error" if found[2] == "ToError" else "--shared"
         return f"{option}: not for {found[1]}, where --samples says how many rays there are"
 
+    if "--light" in options and (of_light := _WORDS_OF_LIGHT.search(message)):
+        # A name of a file may stand before it.
+        return f"{message[: of_light.start()]}--{of_light[0]}"
     message = _SAMPLING.sub(sampling_said, message)
     calls = _CALL.findall(message)
     message = _SUBJECT.sub(options_of, _CALL.sub(_STAND_IN, message), count=1)

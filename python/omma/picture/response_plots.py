@@ -50,7 +50,14 @@ from omma.picture.response_scale import (
     missing_words,
     within_period,
 )
-from omma.picture.unseen import NOT_KNOWN, aspect_of, hatched_ground, inside_outline, unseen
+from omma.picture.unseen import (
+    CYCLIC_COLOURS,
+    NOT_KNOWN,
+    aspect_of,
+    hatched_ground,
+    inside_outline,
+    unseen,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,7 +66,6 @@ if TYPE_CHECKING:
 _MOST_PICTURES = 24
 _COLOURS, _ERROR_COLOURS = "viridis", "magma"
 _SIGNED_COLOURS = "RdBu_r"  # white at 0, told apart by colour-blind eyes
-_CYCLIC_COLOURS = "twilight"  # the same at both ends
 _WIDTH_MM = 180.0
 _OUTSHINE = 2.0  # of errors: some are many times what most are, at edges and in glitter
 _LETTERS = 90  # of a title across the figure
@@ -311,7 +317,7 @@ def _draw(
     panel.imshow(ground, extent=extent, interpolation="nearest", zorder=0)
     one = values[..., 0]
     limits: dict[str, Any] = {
-        "cmap": _CYCLIC_COLOURS if scale.cyclic else _SIGNED_COLOURS if scale.signed else _COLOURS,
+        "cmap": CYCLIC_COLOURS if scale.cyclic else _SIGNED_COLOURS if scale.signed else _COLOURS,
         "vmin": -scale.full_scale if scale.signed else 0.0,
         "vmax": scale.full_scale,
     }

@@ -31,6 +31,7 @@ from omma.light.lights import Light
 from omma.picture.light_titles import light_title
 from omma.picture.neutral_points import neutral_points
 from omma.picture.sky_marks import mark_discs, mark_neutral, shining
+from omma.picture.unseen import CYCLIC_COLOURS, NOT_KNOWN
 
 _PIXELS = 301  # across a sky
 _LEAST_POLARISED = 0.01  # below it there is no angle to draw
@@ -187,17 +188,23 @@ def _degree(figure: Any, panel: Any, degree: Floats) -> None:
 
 
 def _angle(figure: Any, panel: Any, angle_deg: Floats, degree: Floats) -> None:
-    shown = np.where(degree >= _LEAST_POLARISED, angle_deg, np.nan)
+    extent = (-1, 1, -1, 1)
+    has_angle = degree >= _LEAST_POLARISED
+    shown = np.where(has_angle, angle_deg, np.nan)
     image = panel.imshow(
-        shown, origin="lower", extent=(-1, 1, -1, 1), vmin=-90, vmax=90, cmap="twilight"
+        shown, origin="lower", extent=extent, vmin=-90, vmax=90, cmap=CYCLIC_COLOURS
     )
     bar = _bar(figure, image, panel, "from up, to the right")
     bar.set_ticks([-90, -45, 0, 45, 90], labels=["−90°", "−45°", "0°", "45°", "90°"])
-    if not np.any(np.isfinite(shown)):
-        panel.text(0, 0, "unpolarised", ha="center", va="center", color=GREY)
+    has_none = np.isfinite(angle_deg) & ~has_angle
+    grey = np.full((*shown.shape, 4), NOT_KNOWN)
+    grey[..., 3] = has_none
+    panel.imshow(grey, origin="lower", extent=extent, zorder=0)
+    if not has_angle.any():
+        panel.text(0, 0, "unpolarised", ha="center", va="center", color=INK)
         return
-    if np.any(np.isnan(shown) & np.isfinite(angle_deg)):
-        _note(panel, f"white: less than {_LEAST_POLARISED:.0%} polarised")
+    if has_none.any():
+        _note(panel, f"grey: less than {_LEAST_POLARISED:.0%} polarised")
     # The electric vector, as it lies in the map: up points to the middle.
     rings = [(r, k / n * 2 * np.pi) for r, n in ((0.2, 6), (0.45, 14), (0.7, 22), (0.93, 30))
              for k in range(n)]  # fmt: skip

@@ -27,6 +27,8 @@ _GROUND, _LINE = 128, 84  # grey levels; what is painted plainly is the ground a
 _PAPER_GROUND, _PAPER_LINE = 0.93, 0.72  # the same on the white paper of figures
 #: Grey of figures where an ommatidium looks but has no number that could be drawn.
 NOT_KNOWN = 0.62
+#: Of angles, the same at both ends. White is among them, that grey is not.
+CYCLIC_COLOURS = "twilight"
 _LINES = 36  # over the height of a picture, so that hatching looks alike at any size
 _LEAST_PERIOD = 6  # pixels
 

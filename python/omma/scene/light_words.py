@@ -8,6 +8,7 @@ from typing import Any
 
 from omma import light as skies
 from omma._core import Error, Scene
+from omma.base.arguments import one_of
 from omma.light import Bands, Light
 from omma.scene.lighting import checked_lighting
 from omma.scene.without_light import is_of_light
@@ -43,21 +44,20 @@ def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
         omma.Error: it is no such text, or an argument is out of its range.
     """
     words = text.split()
-    if not words or words[0] not in SKIES:
-        raise Error(
-            f"light: expected one of {', '.join(SKIES)} and its arguments, such as 'clear_sky "
-            f"sun_elevation_deg=30', found {text!r:.80}"
-        )
-    make = getattr(skies, words[0])
-    known = [name for name in inspect.signature(make).parameters if name != _BANDS]
+    such = " and its arguments, such as 'clear_sky sun_elevation_deg=30'"
+    sky = one_of(words[0] if words else "", SKIES, "light", such)
+    make = getattr(skies, sky)
+    of_sky = [name for name in inspect.signature(make).parameters if name != _BANDS]
+    names = [*of_sky, _BANDS, *_AIR, *OF_WORLD]
     given: dict[str, Any] = {}
     for word in words[1:]:
         name, is_said, value = word.partition("=")
-        if not is_said or name not in (*known, _BANDS, *_AIR, *OF_WORLD):
+        if not is_said:
             raise Error(
-                f"light: expected name=value, with a name of {', '.join(known)}, {_BANDS}, "
-                f"{', '.join((*_AIR, *OF_WORLD))}, found {word!r:.60}"
+                f"light: {sky}: expected name=value, with a name of {', '.join(names)}, found "
+                f"{word!r:.60}"
             )
+        one_of(name, names, f"light: {sky}")
         if name in given:
             raise Error(f"light: {name}: is said twice")
         given[name] = _value(name, value)

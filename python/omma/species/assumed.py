@@ -14,7 +14,7 @@ import numpy as np
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import checked, one_of
 from omma.base.warn import warn_caller
-from omma.species.facts import LATIN, Fact, Species, facts, printed
+from omma.species.facts import LATIN, Fact, Species, facts, printed, time_of
 from omma.species.stored import stored
 
 # Of which animals, the first that has a number first.
@@ -33,6 +33,7 @@ def completed(species: Species, assume: Assume) -> Species:
     if not donors:
         return species
     eye, said = _filled(species.eye, donors)
+    said += _times_taken(species.name, eye, donors)
     return replace(species, eye=eye, assume=donors, assumed=said)
 
 
@@ -90,9 +91,30 @@ def _filled(eye: Eye, donors: tuple[str, ...]) -> tuple[Eye, tuple[str, ...]]:
                 one if getattr(one, field) else _with_rhabdom(one, **{field: fact.si})
                 for one in types
             ]
-            whose = "" if len(lacking) == len(types) else f" of {', '.join(dict.fromkeys(lacking))}"
-            said.append(f"{words}{whose} {printed(fact)}, as of {fact.animal} ({fact.status})")
+            said.append(_taken(words, fact, lacking, len(types)))
     return eye.replace(receptor_types=types), tuple(said)
+
+
+def _times_taken(name: str, eye: Eye, donors: tuple[str, ...]) -> tuple[str, ...]:
+    """Sentences that say of which receptors the integration time is another animal's, and whose.
+
+    `Species.integration_time_s` takes them from the same rows.
+    """
+    receptors = dict.fromkeys(one.name for one in eye.receptor_types)
+    taken: dict[Fact, list[str]] = {}
+    for receptor in receptors:
+        fact = time_of((name, *donors), receptor)
+        if fact is not None and fact.animal != name:
+            taken.setdefault(fact, []).append(receptor)
+    return tuple(
+        _taken("integration time", fact, lacking, len(receptors)) for fact, lacking in taken.items()
+    )
+
+
+def _taken(words: str, fact: Fact, lacking: list[str], count: int) -> str:
+    """What was taken for receptors that lack it, of so many, and whose it is."""
+    whose = "" if len(lacking) == count else f" of {', '.join(dict.fromkeys(lacking))}"
+    return f"{words}{whose} {printed(fact)}, as of {fact.animal} ({fact.status})"
 
 
 def _first(donors: tuple[str, ...], quantities: tuple[str, ...], words: str) -> Fact:

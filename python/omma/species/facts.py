@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -38,7 +39,7 @@ LATIN = {
 # What messages say of animals that are not there.
 OTHERS = " (omma.eye.generate_eye makes an eye of another animal, by its angles)"
 # What the table calls the time over which a receptor adds up light.
-_TIME = "integration_time"
+TIME = "integration_time"
 # To SI: what a unit in the table is worth. Counts, shares and ratios stay as they are.
 _UNITS = {
     "um": 1e-6,
@@ -127,27 +128,20 @@ class Species:
         Raises:
             omma.Error: it is not known of a receptor.
         """
-        types = self.eye.receptor_types
-        times = [self._integration_time_s(one.name) for one in types]
-        lacking = [one.name for one, time in zip(types, times, strict=True) if math.isnan(time)]
-        if lacking or not types:
-            known = dict.fromkeys(f.animal for f in facts() if f.quantity.endswith(_TIME))
+        names = [one.name for one in self.eye.receptor_types]
+        whose = (self.name, *self.assume)
+        rows = {name: time_of(whose, name) for name in dict.fromkeys(names)}
+        lacking = [name for name, row in rows.items() if row is None]
+        if lacking or not names:
+            from omma.species.times import where_to_get_times  # lies above: for these words alone
+
             raise Error(
                 f"{self.name}: its integration time is not known"
-                + (f" of the receptors {', '.join(dict.fromkeys(lacking))}" if lacking else "")
-                + f"; it is of {', '.join(known)}. Give photon_catch a number of seconds, or take "
-                "that of another, as in "
-                f'omma.species.{self.name}(assume=("honeybee_worker", "calliphora"))'
+                + (f" of the receptors {', '.join(lacking)}; " if lacking else ", ")
+                + where_to_get_times(self, lacking)
             )
-        return np.array(times)[self.eye.receptor_type]
-
-    def _integration_time_s(self, receptor: str) -> float:
-        for animal in (self.name, *self.assume):
-            table = {fact.quantity: fact.si for fact in facts(animal)}
-            for quantity in (f"{receptor}_{_TIME}", _TIME):
-                if quantity in table:
-                    return table[quantity]
-        return math.nan
+        times = {name: row.si for name, row in rows.items() if row is not None}
+        return np.array([times[name] for name in names])[self.eye.receptor_type]
 
     def _repr_html_(self) -> str:
         receptors: dict[str, float] = {}
@@ -211,6 +205,16 @@ def facts(animal: str | None = None) -> tuple[Fact, ...]:
 def number(animal: str, quantity: str) -> float:
     """A number of the table in SI units (radians, metres; nanometres for wavelengths)."""
     return _find(animal, quantity).si
+
+
+def time_of(animals: Iterable[str], receptor: str) -> Fact | None:
+    """The row of a receptor's integration time, of the first of these animals that has one."""
+    for animal in animals:
+        table = {fact.quantity: fact for fact in facts(animal)}
+        for quantity in (f"{receptor}_{TIME}", TIME):
+            if quantity in table:
+                return table[quantity]
+    return None
 
 
 @checked
