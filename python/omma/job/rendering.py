@@ -73,7 +73,7 @@ def render_file(
             the pose); `.mp4` a video with a frame for each pose, 30 a second, whatever times a
             path has. Of another camera: `.npy`, float32 (height, width, 3) as
             `render_camera` gives it, and `.png`. Missing directories are made. What an earlier
-            render wrote beside an `.npy` file, and this one does not, is removed, which is warned of.
+            render wrote beside an `.npy` file and this one does not is removed, with a warning.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
