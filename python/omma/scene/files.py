@@ -18,13 +18,15 @@ from omma.base.mesh_parts import world_from_file
 from omma.base.progress import Progress
 from omma.base.warn import warn_caller
 from omma.scene.gltf_spz import load_spz_gltf
-from omma.scene.gltf_text import colors_of_trimesh
+from omma.scene.gltf_text import GLTF_FILES, begins_as_gltf, colors_of_trimesh
 from omma.scene.joining import place_scene, scale_of, warnings_of_file
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
-from omma.scene.point_files import is_point_file
-from omma.scene.splat_files import is_splat_file, load_splat_scene
+from omma.scene.point_files import POINT_FILES, is_point_file
+from omma.scene.splat_files import SPLAT_FILES, is_splat_file, load_splat_scene
 from omma.scene.surfel_scenes import load_surfels
 from omma.scene.without_light import is_of_light, remember_loaded
+
+SCENE_FILES = tuple(dict.fromkeys((*GLTF_FILES, *MESH_FILES, *SPLAT_FILES, *POINT_FILES)))
 
 # Of endings that say too little.
 _OF_POINTS = (
@@ -125,6 +127,12 @@ def read_scene(
         raise Error(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
+        )
+    ending = Path(name).suffix.lower()
+    if ending not in SCENE_FILES and Path(name).is_file() and not begins_as_gltf(name):
+        raise Error(
+            f"{name}: expected a scene, whose name ends in {', '.join(SCENE_FILES)}, found "
+            f"{'the ending ' + ending if ending else 'no ending'} and no glTF in it"
         )
     is_splats, is_points = is_splat_file(name), is_point_file(name)
     if voxel_m is not None and not is_points:
