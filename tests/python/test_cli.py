@@ -150,6 +150,26 @@ def test_many_poses_go_through_memory_in_pieces(monkeypatch, rendered, scene, ey
     assert (rendered("--path", path) == whole).all()
 
 
+def test_all_files_are_named_but_those_of_a_long_series(omma_command, tmp_path):
+    outputs = [tmp_path / name for name in ("a.npy", "b.npy", "a.csv", "b.csv", "a.png", "b.png")]
+    named = [part for output in outputs for part in ("-o", output)]
+    flights = tmp_path / "path.csv"
+    lines = [f"{0.1 * i},1,0,0,0,0" for i in range(8)]
+    flights.write_text("\n".join(["x,y,z,yaw_deg,pitch_deg,roll_deg", *lines]))
+    words = ("render", "scene.gltf", "--eye", "bug.eye", "--standard-error", *named)
+    code, out, _ = omma_command(*words)
+    assert code == 0
+    wrote = [line.split(maxsplit=1)[1] for line in out.splitlines() if line.startswith("wrote")]
+    assert sorted(wrote) == sorted(map(str, tmp_path.glob("[ab].*")))
+    code, out, _ = omma_command(*words, "--path", flights)
+    wrote = [line.split(maxsplit=1)[1] for line in out.splitlines() if line.startswith("wrote")]
+    for stem in "ab":
+        shown = [one for one in wrote if one.endswith(".png") and f"{stem}_0" in one]
+        assert [one[-8:] for one in shown] == ["0000.png", "0001.png", "0002.png", "0007.png"]
+    assert sum("4 more" in one for one in wrote) == 2
+    assert str(tmp_path / "b.error.npy") in wrote
+
+
 def test_two_eyes_side_by_side(omma_command, files, tmp_path):
     arguments = ["render", "scene.gltf", "--eye", "left.eye", "--eye", "right.eye"]
     code, out, _ = omma_command(

@@ -74,3 +74,15 @@ def test_commands(command, files, tmp_path, monkeypatch, run_omma):
     assert code == 1
     assert "x.foo: expected a name ending in ." in err
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", ["job.py", "model.fbx", "thing"])
+def test_what_no_scene_is_called_is_told_the_endings(tmp_path, name):
+    path = tmp_path / name
+    path.write_text("import omma\n")
+    with pytest.raises(omma.Error, match=r"\.gltf, \.glb, \.obj.*\.spz.*\.las"):
+        omma.load_scene(path)
+    # A scene by another name is one.
+    omma.scene.save_scene(tmp_path / "box.glb", omma.scene.box())
+    (tmp_path / "box.glb").rename(path)
+    assert omma.load_scene(path).triangle_count == 12

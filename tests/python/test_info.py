@@ -9,6 +9,7 @@ from PIL import Image
 
 import omma
 from omma.job.extents import describe_extent, size_words
+from omma.job.info import describe_scene
 from omma.job.places import place_words
 
 
@@ -237,3 +238,30 @@ def test_a_picture_plane_does_not_lie_on_its_side(omma_command, tmp_path):
     )
     omma.scene.save_scene(tmp_path / "seen.glb", seen)
     assert "flat" not in said(omma_command, tmp_path / "seen.glb")["extent"]
+
+
+def cloud_of(positions, scale):
+    count = len(positions)
+    return omma.scene.SplatCloud(
+        positions,
+        np.full((count, 3), scale),
+        np.tile([1.0, 0, 0, 0], (count, 1)),
+        np.full(count, 0.5),
+        np.zeros((count, 1, 3)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("far", "scale", "extent"),
+    [
+        (0.0, 0.5, "0 x 0 x 0 m, of splats their middles"),
+        (1.0, 0.5, "1 x 0 x 0 m, of splats their middles"),
+        (5.0, 0.5, "5 x 0 x 0 m, as of a tree, a room or a plot, of splats their middles"),
+    ],
+)
+def test_the_extent_of_splats_is_that_of_their_middles(far, scale, extent):
+    scene = omma.Scene(splats=[cloud_of([[0, 0, 0], [far, 0, 0]], scale)])
+    lines = dict(describe_scene(scene))
+    assert lines["extent"] == extent
+    assert lines["bounds"].endswith("m, of splats their middles")
+    assert "middles" not in dict(describe_scene(omma.scene.box()))["bounds"]

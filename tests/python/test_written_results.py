@@ -473,3 +473,41 @@ def test_a_missing_package_is_named(folder, monkeypatch, name, package):
     with pytest.raises(omma.Error, match=rf"{name}: needs {package}.*omma\[data\]"):
         render(name)
     assert not [entry for entry in os.listdir() if name in entry]
+
+
+def test_what_an_earlier_render_left_beside_an_npy_file_goes(folder):
+    """A camera's picture has no `.json` and no errors, a render without errors has no errors: what
+    says otherwise goes with the numbers that it was of. Files of others stay."""
+    render("q.npy", standard_error=True)
+    assert os.path.exists("q.error.npy")
+    report = render("q.npy")
+    assert not os.path.exists("q.error.npy")
+    assert any("q.error.npy" in one for one in report.warnings)
+    assert load_responses("q.npy").response.shape[0] == POSES
+    assert render("q.npy").warnings == ()
+
+    render("q.npy", standard_error=True)
+    omma.render_file("scene.gltf", "q.npy", omma.Fixed(1), camera="plain", width=8)
+    assert np.load("q.npy").shape[1] == 8
+    assert not os.path.exists("q.error.npy")
+    assert not os.path.exists("q.json")
+
+    # An output of this name, however it is written; a render that fails; a file of somebody else.
+    render("q.npy", standard_error=True)
+    omma.render_file(
+        "scene.gltf", ["q.npy", "./q.error.npy"], omma.Fixed(1), camera="plain", width=8
+    )
+    assert np.load("q.error.npy").shape[1] == 8
+    render("q.npy", standard_error=True)
+    with pytest.raises(omma.Error):
+        omma.render_file("scene.gltf", "q.npy", omma.Fixed(0), camera="plain", width=8)
+    assert load_responses("q.npy").standard_error.shape[0] == POSES
+    shutil.copy("q.npy", "other.npy")
+    shutil.copy("q.error.npy", "other.error.npy")
+    shutil.copy("q.json", "other.json")
+    Path("mine.json").write_text("{}")
+    np.save("mine.error.npy", np.ones(3))
+    for name in ("other", "mine"):
+        omma.render_file("scene.gltf", f"{name}.npy", omma.Fixed(1), camera="plain", width=8)
+        assert os.path.exists(f"{name}.json")
+        assert os.path.exists(f"{name}.error.npy")

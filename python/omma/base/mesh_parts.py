@@ -114,3 +114,15 @@ def is_single(values: NDArray[np.floating[Any]]) -> bool:
 def linear(encoded: Floats) -> Floats:
     """Linear RGBA of sRGB in 0 to 1, whose alpha is linear already."""
     return np.concatenate([linear_of_srgb(encoded[:, :3]), encoded[:, 3:]], axis=1)
+
+
+def colors_and_mode(colors: Floats | None, told: list[str]) -> tuple[Floats | None, str]:
+    """Vertex colours, linear RGBA, and the alpha mode of a material that has none of its own: light
+    comes through where any alpha is below 1. Colours that are all invisible are taken as opaque, as
+    programs that do not know of alpha write them, which is told."""
+    if colors is None or (colors[:, 3] == 1).all():
+        return colors, "opaque"
+    if (colors[:, 3] > 0).any():
+        return colors, "blend"
+    told.append("alpha of all its vertex colours is 0; they are taken as opaque")
+    return np.insert(colors[:, :3], 3, 1.0, axis=1), "opaque"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Error, Image, Material
-from omma.base.mesh_parts import MeshParts, Piece, linear
+from omma.base.mesh_parts import MeshParts, Piece, colors_and_mode, linear
 from omma.base.mesh_pictures import opaque, read_picture
 from omma.base.ply_header import PlyElement, read_header
 from omma.base.polygons import triangulate
@@ -278,10 +278,11 @@ def _parts(path: str, tables: dict[str, _Columns], picture: str) -> MeshParts:
             coordinates = own_coordinates.values.astype(np.float64).reshape(-1, 2)[flat]
         elif coordinates is not None:
             coordinates = coordinates[index[flat]]
+    colors, mode = colors_and_mode(colors, parts.warnings)
+    texture = None
     if picture and coordinates is not None:
-        _add_picture(path, picture, parts)
-    if not parts.materials:
-        parts.materials.append(Material(double_sided=True))
+        texture = _add_picture(path, picture, parts)
+    parts.materials.append(Material(base_color_texture=texture, alpha_mode=mode, double_sided=True))
     parts.pieces.append(
         Piece(
             os.path.basename(path),
@@ -316,7 +317,8 @@ def _coordinates(columns: _Columns) -> NDArray[np.float64] | None:
     return None
 
 
-def _add_picture(path: str, name: str, parts: MeshParts) -> None:
+def _add_picture(path: str, name: str, parts: MeshParts) -> int | None:
+    """The number of the picture; None where it cannot be read, which is told."""
     file = os.path.join(os.path.dirname(path), name.replace("\\", "/"))
     try:
         if not os.path.isfile(file):
@@ -324,5 +326,5 @@ def _add_picture(path: str, name: str, parts: MeshParts) -> None:
         parts.images.append(Image(opaque(read_picture(file)), name=name))
     except (Error, ValueError) as error:
         parts.warnings.append(str(error))
-        return
-    parts.materials.append(Material(base_color_texture=0, double_sided=True))
+        return None
+    return 0

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from itertools import groupby
+
 from omma.cli.working import say, warn
 from omma.job.all_cameras import AllCamerasReport
 from omma.job.reports import RenderReport
+
+# Pictures of several poses, as they are called (picture/files.py), and how many are all named.
+_NUMBERED, _MOST_OF_SERIES = re.compile(r"(.*)_\d{4,}\.png", re.IGNORECASE | re.DOTALL), 6
 
 
 def say_cameras(report: AllCamerasReport) -> None:
@@ -35,8 +42,6 @@ def _camera_lines(report: AllCamerasReport) -> list[str]:
 
 
 def _report_lines(report: RenderReport) -> list[str]:
-    names = report.outputs
-    shown = names if len(names) <= 6 else (*names[:3], f"... {len(names) - 4} more", names[-1])
     rate = report.rays / max(report.seconds, 1e-9) / 1e6
     if report.picture is not None:
         width, height = report.picture
@@ -66,6 +71,22 @@ def _report_lines(report: RenderReport) -> list[str]:
             f"after {report.build_seconds:.3f} s of preparation",
         ),
         ("backend", f"{report.backend}, {report.threads} threads"),
-        *(("wrote", name) for name in shown),
+        *(("wrote", name) for name in _shown(report.outputs)),
     ]
     return [f"{what:<10} {value}" for what, value in lines]
+
+
+def _shown(names: Sequence[str]) -> list[str]:
+    """All names; of long series of pictures, numbered by pose, the first ones and the last."""
+    shown: list[str] = []
+    for series, members in groupby(names, _series_of):
+        run = list(members)
+        if series is not None and len(run) > _MOST_OF_SERIES:
+            run = [*run[:3], f"... {len(run) - 4} more", run[-1]]
+        shown += run
+    return shown
+
+
+def _series_of(name: str) -> str | None:
+    found = _NUMBERED.fullmatch(name)
+    return None if found is None else found[1]

@@ -11,6 +11,7 @@ from omma._core import Camera, Error
 from omma.base.files import WholeFiles, check_target, left_behind, make_parent
 from omma.job.animated import told_at_rest
 from omma.job.begun import Begun
+from omma.job.outputs import earlier_files, remove_earlier
 from omma.job.reports import RenderReport
 from omma.picture.band_colours import colours_of
 from omma.picture.cameras import display, picture_size, render_camera
@@ -47,6 +48,8 @@ def render_picture(begun: Begun, camera: Camera) -> RenderReport:
                 np.lib.format.write_array(files.open(name), picture)
             else:
                 write_png(files, name, display(colours_of(world, picture), job.gamma))
+        earlier = earlier_files(names)
+    removed = remove_earlier(earlier)
     return RenderReport(
         ommatidia=0,
         poses=1,
@@ -63,6 +66,7 @@ def render_picture(begun: Begun, camera: Camera) -> RenderReport:
         warnings=(
             *warnings_of(world.scene, world.light is not None),
             *told_at_rest(world.scene, "a camera's picture has no time"),
+            *removed,
             *left_behind(names),
         ),
         picture=(width, height),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Scene
+from omma._core import Scene, SplatCloud
 from omma.base.arrays import Floats
 from omma.scene.mesh_files import MESH_FILES
 
@@ -25,15 +25,24 @@ _LONG_MESH_M, LONG_POINTS_M, _LONG_GLTF_M, ODD_M = 30.0, 300.0, 1_000.0, 10_000.
 _FLAT, _CARD, _UPRIGHT = 3.0, 0.01, 0.7
 # Less than this share of the largest length is rounding.
 _ROUNDING = 1e-9
+# Two standard deviations on both sides.
+_SEEN_SIGMAS = 4
 
 
 def describe_extent(
-    size_m: NDArray[np.floating], *, may_be_mm_above: float = ODD_M, may_be_z_up: bool = True
+    size_m: NDArray[np.floating],
+    *,
+    may_be_mm_above: float = ODD_M,
+    may_be_z_up: bool = True,
+    thing_m: float = 0.0,
 ) -> str:
     """Of a box (3,), m, along x, y and z: its size, what is so large, and whether it looks as if it
-    were in millimetres, longer than so much, or had +Z up."""
+    were in millimetres, longer than so much, or had +Z up. It says size alone where the box, of
+    middles of things, is no longer than such a thing."""
     x, y, z = (float(one) for one in size_m)
     longest = max(x, y, z)
+    if longest <= thing_m:
+        return size_words(size_m)
     text = f"{size_words(size_m)}, as of {_word(longest)}"
     if longest > may_be_mm_above:
         small = longest / 1000
@@ -56,7 +65,16 @@ def describe_scene_extent(scene: Scene, size_m: NDArray[np.floating], unit_is_to
         size_m,
         may_be_mm_above=ODD_M if unit_is_told else above,
         may_be_z_up=not (is_gltf and (thin or max(ups, default=0) > _UPRIGHT)),
+        thing_m=max(map(_splat_m, scene.splats), default=0.0),
     )
+
+
+def _splat_m(cloud: SplatCloud) -> float:
+    """How long half of a cloud's splats are at least, from end to end."""
+    if len(cloud.scales_m) == 0:
+        return 0.0
+    metres = float(np.cbrt(abs(np.linalg.det(cloud.world_from_splats[:3, :3]))))
+    return _SEEN_SIGMAS * metres * float(np.median(cloud.scales_m.max(axis=1)))
 
 
 def size_words(size_m: NDArray[np.floating]) -> str:

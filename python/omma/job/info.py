@@ -23,26 +23,21 @@ from omma.job.results_info import Lines, describe_responses, is_response_file
 from omma.job.tables_info import describe_table
 from omma.scene.capture_cameras import is_capture
 from omma.scene.device_list import devices
-from omma.scene.files import read_scene
+from omma.scene.files import SCENE_FILES, read_scene
+from omma.scene.gltf_text import begins_as_gltf
 from omma.scene.mesh_files import MESH_FILES
-from omma.scene.point_files import POINT_FILES, is_point_file
+from omma.scene.point_files import is_point_file
 from omma.scene.splat_files import SPLAT_FILES
 
 
 def is_scene_file(path: PathLike) -> bool:
     """Whether a file is to be read as a scene: by its ending, else, as glTF, by how it begins."""
     name = Path(os.fsdecode(path))
-    if name.suffix.lower() in (".gltf", ".glb", *MESH_FILES, *POINT_FILES, *SPLAT_FILES):
+    if name.suffix.lower() in SCENE_FILES:
         return True
     if name.suffix.lower() == ".eye":
         return False
-    if not name.is_file():  # opening a pipe may wait for ever
-        return False
-    try:
-        with name.open("rb") as file:
-            return file.read(256).lstrip()[:1] in (b"{", b"g")
-    except OSError:
-        return False
+    return begins_as_gltf(os.fsdecode(path))
 
 
 def describe_devices() -> Lines:
@@ -128,9 +123,10 @@ def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
     if bounds is None:
         lines.append(("bounds", "empty: nothing but background"))
     else:
-        lines.append(("bounds", f"{place_words(bounds[0])} to {place_words(bounds[1])} m"))
+        of = ", of splats their middles" if scene.splat_count else ""
+        lines.append(("bounds", f"{place_words(bounds[0])} to {place_words(bounds[1])} m{of}"))
         size_m = bounds[1] - bounds[0]
-        lines.append(("extent", describe_scene_extent(scene, size_m, unit_is_told)))
+        lines.append(("extent", describe_scene_extent(scene, size_m, unit_is_told) + of))
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
     lines.append(("background", background.type.replace("_", " ") + color))

@@ -7,12 +7,13 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
+from omma import _core
 from omma._core import Error, Eye
 from omma.base.addresses import is_address, local_path
 from omma.base.files import PathLike, WholeFiles, check_ending, check_kept
 from omma.picture.files import Paint, PngWriter, series
 from omma.picture.video import VideoWriter
-from omma.rendering.label_texts import beside, labels_text
+from omma.rendering.label_texts import beside, labels_from_text, labels_text
 from omma.rendering.labelled_files import NetcdfWriter, ZarrWriter
 from omma.rendering.labels import Labels
 from omma.rendering.parquet_files import ParquetWriter
@@ -128,6 +129,51 @@ def writers_of(
             writers.append(ParquetWriter(files, name, labels))
         written += [name, *_beside(name, beside_each)]
     return writers, written
+
+
+def earlier_files(written: Sequence[str]) -> list[str]:
+    """Files of an earlier render that lie beside the `.npy` files among those that are being
+    written, and will not be replaced: those that its `.json`, which is still there, says are its
+    own. What is at addresses is not looked at."""
+    stay = {os.path.realpath(name) for name in written if not is_address(name)}
+    found: dict[str, None] = {}
+    for name in written:
+        if Path(name).suffix.lower() != ".npy" or is_address(name):
+            continue
+        others = {one: beside_name(name, one) for one in _NAMES_BESIDE}
+        about = beside(name)
+        there = [
+            file
+            for file in (*others.values(), about)
+            if os.path.isfile(file) and os.path.realpath(file) not in stay
+        ]
+        if not there or not os.path.isfile(about):
+            continue
+        try:
+            files = labels_from_text(_core.read_file(about), about)[1]
+        except Error:  # of somebody else
+            continue
+        if files.get("response") != os.path.basename(name):
+            continue
+        own = [file for one, file in others.items() if files.get(one) == os.path.basename(file)]
+        found |= dict.fromkeys(file for file in there if file in (*own, about))
+    return list(found)
+
+
+def remove_earlier(files: Sequence[str]) -> list[str]:
+    """Removes what `earlier_files` found, and says so."""
+    for file in files:
+        try:
+            os.remove(file)
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            raise Error(
+                f"{file}: is of an earlier render and not removed: {error.strerror}"
+            ) from None
+    if not files:
+        return []
+    return [f"removed what an earlier render left beside its .npy file: {', '.join(files)}"]
 
 
 def _variables_beside(standard_error: bool, with_cameras: bool) -> list[str]:

@@ -22,7 +22,7 @@ from omma.base.renamed import renamed_arguments
 from omma.job.animated import times_that_move
 from omma.job.begun import Begun, View, begin, input_files, view_of
 from omma.job.camera_picture import render_picture
-from omma.job.outputs import writers_of
+from omma.job.outputs import earlier_files, remove_earlier, writers_of
 from omma.job.pieces import (
     BesideCameras,
     Render,
@@ -72,7 +72,8 @@ def render_file(
             writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
             the pose); `.mp4` a video with a frame for each pose, 30 a second, whatever times a
             path has. Of another camera: `.npy`, float32 (height, width, 3) as
-            `render_camera` gives it, and `.png`. Missing directories are made.
+            `render_camera` gives it, and `.png`. Missing directories are made. What an earlier
+            render wrote beside an `.npy` file and this one does not is removed, with a warning.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
@@ -204,6 +205,7 @@ def run_job(
             standard_error=job.standard_error,
             make_paint=make_paint,
         )
+        earlier = earlier_files(written)
         render: Render
         if job.receptors:
             render = render_of_receptors(renderer, job.ultraviolet, job.standard_error, moving)
@@ -225,7 +227,7 @@ def run_job(
             f"{os.fsdecode(str(job.capture_cameras))}: no camera had anything in its field that is "
             "seen here; are its unit and its axis up those of the scene (capture_unit, capture_up)?"
         )
-    warnings += left_behind(*_by_kind(written))
+    warnings += [*remove_earlier(earlier), *left_behind(*_by_kind(written))]
     resumed = f", resumed at pose {kept.done:,}" if kept is not None and kept.done else ""
     return RenderReport(
         ommatidia=len(view.head),

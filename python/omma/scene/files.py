@@ -18,13 +18,15 @@ from omma.base.mesh_parts import world_from_file
 from omma.base.progress import Progress
 from omma.base.warn import warn_caller
 from omma.scene.gltf_spz import load_spz_gltf
-from omma.scene.gltf_text import colors_of_trimesh
-from omma.scene.joining import place_scene, warnings_of_file
+from omma.scene.gltf_text import GLTF_FILES, begins_as_gltf, colors_of_trimesh
+from omma.scene.joining import place_scene, scale_of, warnings_of_file
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
-from omma.scene.point_files import is_point_file
-from omma.scene.splat_files import is_splat_file, load_splat_scene
+from omma.scene.point_files import POINT_FILES, is_point_file
+from omma.scene.splat_files import SPLAT_FILES, is_splat_file, load_splat_scene
 from omma.scene.surfel_scenes import load_surfels
 from omma.scene.without_light import is_of_light, remember_loaded
+
+SCENE_FILES = tuple(dict.fromkeys((*GLTF_FILES, *MESH_FILES, *SPLAT_FILES, *POINT_FILES)))
 
 # Of endings that say too little.
 _OF_POINTS = (
@@ -63,7 +65,8 @@ def load_scene(
             (BrainsOnBoard/compound-ray, libEyeRenderer3/shaders.cu).
         unit: of lengths in files that do not say it, or say it wrongly: "m" (None), "mm", "um" or a
             number of metres. glTF says metres, +Y up; scanners' programs do not always heed it
-            (`omma info` says how large a scene is). Eyes of a scene's cameras keep their size.
+            (`omma info` says how large a scene is). All lengths of the file are in it, such as the
+            ranges of lamps and half extents of cameras. Eyes of a scene's cameras keep their size.
         up: the axis that points up: "y", "z", or "-y" where y points down and z ahead. None: y, in
             files of points but `.ply` z, in `.ply` files of splats -y.
         voxel_m: of points alone: side of the cells of a grid, m, in each of which their mean is one
@@ -125,6 +128,12 @@ def read_scene(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
+    ending = Path(name).suffix.lower()
+    if ending not in SCENE_FILES and Path(name).is_file() and not begins_as_gltf(name):
+        raise Error(
+            f"{name}: expected a scene, whose name ends in {', '.join(SCENE_FILES)}, found "
+            f"{'the ending ' + ending if ending else 'no ending'} and no glTF in it"
+        )
     is_splats, is_points = is_splat_file(name), is_point_file(name)
     if voxel_m is not None and not is_points:
         raise Error(f"voxel_m: expected none, as {name} holds no points of a scan")
@@ -157,11 +166,18 @@ def read_scene(
 def _as_written(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
     """A glTF scene of whoever wrote other lengths than metres, or another axis up."""
     placed = place_scene(scene, matrix)
-    # A camera's scale is that of its eye, which is none of the file's lengths.
-    metres = float(np.cbrt(np.linalg.det(matrix[:3, :3])))
+    # A camera's scale is that of its eye, which is none of the file's lengths; its own are.
+    metres = scale_of(matrix)
     keep = np.diag([1 / metres] * 3 + [1.0])
     cameras = [
-        one.replace(world_from_camera=one.world_from_camera @ keep) for one in placed.cameras
+        one.replace(
+            world_from_camera=one.world_from_camera @ keep,
+            xmag_m=one.xmag_m * metres,
+            ymag_m=one.ymag_m * metres,
+            znear_m=one.znear_m * metres,
+            zfar_m=one.zfar_m * metres,
+        )
+        for one in placed.cameras
     ]
     if cameras:
         rig = placed.rig and _core.with_scaled_cameras(placed.rig, 1 / metres)

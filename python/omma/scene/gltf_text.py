@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-_GLTF = (".gltf", ".glb")
+GLTF_FILES = (".gltf", ".glb")
 # What files with Gaussian splats name, in whatever draft: the extension, or SPZ alone.
 _OF_SPLATS = ("KHR_gaussian_splatting", "KHR_spz_gaussian_splats_compression")
 # What trimesh calls itself as the generator (to its version 5.2 at least), and vertex colours.
@@ -24,11 +24,23 @@ class GltfPlaces(NamedTuple):
     binary_size: int
 
 
+def begins_as_gltf(path: str) -> bool:
+    """Whether a file begins as glTF does, as text or binary, whatever its name."""
+    if not os.path.isfile(path):  # opening a pipe may wait for ever
+        return False
+    try:
+        with open(path, "rb") as file:
+            begin = file.read(256)
+    except OSError:
+        return False
+    return begin[:4] == b"glTF" or begin.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] == b"{"
+
+
 def gltf_places(path: str) -> GltfPlaces:
     """Of a `.gltf` or `.glb` file. What is no such file, or cut off, has no text: the reader of
     scenes says what is wrong with it."""
     nothing = GltfPlaces(0, 0, 0, 0)
-    if Path(path).suffix.lower() not in _GLTF or not os.path.isfile(path):
+    if Path(path).suffix.lower() not in GLTF_FILES or not os.path.isfile(path):
         return nothing
     try:
         with open(path, "rb") as file:

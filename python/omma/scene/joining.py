@@ -20,9 +20,12 @@ from omma._core import (
     TextureUse,
 )
 from omma.base.arguments import array_of, checked
+from omma.base.arrays import Floats
 
 # What the engine's sentences about places have in them (src/model/scene_place.cpp).
 _OF_PLACES = ("from the origin of their own coordinates", "are not seen reliably")
+# What turns by rounding differ in scale.
+_ROUNDING = 1e-9
 
 
 @checked
@@ -30,6 +33,13 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
     """The same scene at another pose: instances, cameras, lamps, hit boxes and splats together.
 
     Its animations move things about that pose.
+
+    A pose with a scale makes a larger scene, or a smaller one. Cameras grow with it, and so the
+    half extents of orthographic ones and eyes that are rendered at their poses. So do the ranges of
+    lamps and, of materials, thickness and attenuation distance, and what is absorbed per metre gets
+    less: by the cube root of what the volume grows by, where the scale differs along the axes. A
+    pose that flattens the scene to no volume leaves these as they are. Intensities (cd, lx) stay,
+    and the light in a world, with its air, is no part of the scene.
 
     Args:
         world_from_scene: (4, 4), m, applied after where each of them is already.
@@ -40,6 +50,12 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
     matrix = array_of(world_from_scene, "world_from_scene", (4, 4))
     if not np.isfinite(matrix).all() or (matrix[3] != (0, 0, 0, 1)).any():
         raise Error("world_from_scene: expected finite numbers, the last row 0, 0, 0, 1")
+    scale = scale_of(matrix)
+    if scale != 1:
+        scene = scene.replace(
+            lights=[one.replace(range_m=one.range_m * scale) for one in scene.lights],
+            materials=[_scaled(one, scale) for one in scene.materials],
+        )
     return scene.replace(
         rig=scene.rig and _core.placed_rig(scene.rig, matrix),
         instances=[
@@ -57,6 +73,26 @@ def place_scene(scene: Scene, world_from_scene: ArrayLike) -> Scene:
         splats=[
             one.replace(world_from_splats=matrix @ one.world_from_splats) for one in scene.splats
         ],
+    )
+
+
+def scale_of(matrix: Floats) -> float:
+    """By what lengths grow in a (4, 4) transform, on average over its axes; 1 of one that keeps
+    volumes, but for rounding, or leaves none."""
+    volume = abs(float(np.linalg.det(matrix[:3, :3])))
+    scale = float(np.cbrt(volume))
+    return 1.0 if volume == 0 or abs(scale - 1) < _ROUNDING else scale
+
+
+def _scaled(material: Material, scale: float) -> Material:
+    """The material of a thing that is so much larger."""
+    distance, absorbed = material.attenuation_distance_m, material.absorption_per_m
+    if material.thickness_m == 0 and distance is None and absorbed is None:
+        return material
+    return material.replace(
+        thickness_m=material.thickness_m * scale,
+        attenuation_distance_m=None if distance is None else distance * scale,
+        absorption_per_m=absorbed and absorbed.replace(value=absorbed.value / scale),
     )
 
 
