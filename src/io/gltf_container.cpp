@@ -97,7 +97,8 @@ json parse_json(std::string_view text, const std::string& path, const WorkPart& 
   } catch (const json::parse_error& error) {
     // The parser's own message may quote bytes that are no text.
     throw Error(path + ": is not a glTF file: its JSON is malformed or cut off at byte " +
-                std::to_string(error.byte) + " of " + std::to_string(text.size()));
+                std::to_string(std::min(error.byte, text.size())) + " of " +
+                std::to_string(text.size()));
   } catch (const json::exception& error) {
     throw Error(path + ": is not a glTF file: " + error.what());
   }

@@ -149,6 +149,7 @@ TEST(GltfBadInput, NotGltf) {
                {"scene.gltf"});
   expect_error([&] { load_bytes("{\"asset\":{\"version\":\"2.0\"},\"x\":\"\xFF\"}"); },
                {"malformed"});
+  expect_error([&] { load_bytes("{"); }, {"cut off at byte 1 of 1"});
 }
 
 TEST(GltfBadInput, NestingBombs) {
