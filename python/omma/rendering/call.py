@@ -108,15 +108,21 @@ class Call:
         moves: MovesOptions,
         first_pose: int | None,
         progress: Progress | None = None,
+        *,
+        tells_flow: bool = False,
     ) -> Call:
         """What a user asks for, in arrays.
+
+        Args:
+            tells_flow: as of `Moves`.
 
         Raises:
             omma.Error: an argument is not what `Renderer.render` says.
             TypeError: ``first_pose`` is no whole number.
         """
         matrices = poses_of(renderer, poses, moves)
-        moving = Moves(renderer.world, matrices, moves, renderer.settings.impulse_response)
+        impulse_response = renderer.settings.impulse_response
+        moving = Moves(renderer.world, matrices, moves, impulse_response, tells_flow)
         return cls(renderer, matrices, moving, frame_number(first_pose), progress)
 
     @property

@@ -134,7 +134,7 @@ def ground_truth(
         head_velocity: the head's linear velocity, m/s, and angular velocity, rad/s, in the
             world's frame, each (3,) or (P, 3): of its origin, and right-handed about it.
             `omma.velocities_from_poses` finds them from a path. None: with ``times_s`` that
-            grow, that along the path of the poses, else none. There is optic flow with a velocity
+            grow, that along the path of the poses, also where nothing else moves, else none. There is optic flow with a velocity
             of either, or with such times.
         velocities: of what moves by itself, {name or index in `World.instances`: (linear,
             angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
@@ -163,7 +163,7 @@ def ground_truth(
     if self.settings.impulse_response is not None:
         raise Error("ground_truth: expected a renderer without an impulse response, found one with")
     rendered = progress if capture_cameras is None else share_of(progress, 0, _RENDERED)
-    call = Call.of(self, poses, moves, first_pose, rendered).numbered()
+    call = Call.of(self, poses, moves, first_pose, rendered, tells_flow=True).numbered()
     to_error = isinstance(sampling, ToError)
     frames = call.new_frames(standard_error=standard_error or to_error, rays=to_error)
     found: dict[str, Any] = {
