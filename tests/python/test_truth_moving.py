@@ -431,3 +431,10 @@ def test_datasets_say_what_was_unseen(world, tmp_path):
     with pytest.raises(omma.Error, match="unseen_by_light: expected True, as of truth"):
         renderer.dataset(POSES, truth=truth, unseen_by_light=False)
     assert "unseen_group" not in renderer.dataset(POSES)
+
+
+def test_names_that_nothing_has_name_their_argument(world):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(5), omma.Fixed(1))
+    for name, value in (("shares", ["bal"]), ("velocities", {"bal": VELOCITY})):
+        with pytest.raises(omma.Error, match=rf"^{name}.*: expected the name .*'bal'.*'ball'"):
+            renderer.ground_truth(np.eye(4), **{name: value})
