@@ -1,6 +1,8 @@
 """ON and OFF events of responses over time: against the closed forms of ramps and sines in the
 logarithm of light, against a slow reference, and what is refused."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -308,3 +310,13 @@ def test_the_state_of_a_sensor_in_another_unit_is_refused(other):
     assert len(events) == 3
     kept = omma.photoreceptors.EventState(0.0, state.signal, state.reference, state.ready_s)
     assert len(EventSensor(0.6).step(kept, np.full(3, np.e), 1.0)[1]) == 3
+
+
+def test_times_in_milliseconds_are_told():
+    sensor, light = EventSensor(0.5), np.ones((3, 2))
+    with pytest.warns(UserWarning, match=r"times_s: 1000 s is unusual .*; 1000 ms would be 1 s"):
+        sensor.run(light, [0, 1000, 2000])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sensor.run(light, [0, 0.5, 1000])  # a rest between sequences
+        sensor.run(light[:1], [0])

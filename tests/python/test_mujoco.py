@@ -3,6 +3,8 @@
 Skipped visibly without mujoco; what needs its pictures also without OpenGL.
 """
 
+import warnings
+
 import numpy as np
 import pytest
 from mujoco_models import everything, is_even, mujoco, pictures, silhouettes
@@ -135,6 +137,60 @@ def test_sizes_that_change_are_told_once_and_not_followed():
         [omma.mujoco.update(world, data) for _ in range(2)]
     assert len(told) == 1
     assert told[0].filename == __file__
+    model.geom("a").size[0] /= 2  # as the world shows it
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.mujoco.update(world, data)
+
+
+@pytest.mark.parametrize("merged", [False, True])
+def test_sizes_that_change_before_the_first_update_are_told_too(merged):
+    model, data = of(BOX)
+    scene = omma.mujoco.scene_from_model(model, data)
+    scenes = [scene, omma.scene.sphere(0.1, center_m=(5, 5, 5), name="sun")]
+    world = omma.World(omma.scene.merge_scenes(scenes) if merged else scene)
+    model.geom("a").size[0] *= 2
+    with pytest.warns(UserWarning, match="the size of geom 'a' has changed") as told:
+        [omma.mujoco.update(world, data) for _ in range(2)]
+    assert len(told) == 1
+
+
+def test_a_thing_that_another_model_calls_otherwise_is_named():
+    model, data = of(BOX)
+    _, other = of(BOX.replace('geom name="c"', 'geom name="d"'))
+    world = omma.mujoco.world_from_model(model, data)
+    for one in (world, world.with_background(omma.Background.constant((1, 1, 1)))):
+        with pytest.raises(omma.Error, match="none of its geoms is called 'c'"):
+            omma.mujoco.update(one, other)
+    # A world that may hold more than a model does not say whose its things are.
+    scene = omma.mujoco.scene_from_model(model, data)
+    omma.mujoco.update(omma.World(scene), other)
+
+
+def test_moving_things_are_what_update_sets(all_kinds):
+    model, data = of(BOX)
+    world = omma.mujoco.world_from_model(model, data)
+    data.qpos[:3] = 0.3, 0.2, 2.0
+    mujoco.mj_forward(model, data)
+    names, transforms = omma.mujoco.moving_things(world, data)
+    assert names == ["a", "geom 2", "c"]
+    eye = omma.eye.generate_eye(300)
+    renderer = omma.Renderer(world, eye, omma.Fixed(4))
+    pose = omma.look_at((1, -3, 2), (0, 0, 1), up=(0, 0, 1))
+    before = renderer.render(pose)
+    given = renderer.render(pose, instances=names, transforms=transforms[None])
+    assert (renderer.render(pose) == before).all()  # the world stays as it is
+    omma.mujoco.update(world, data)
+    assert (renderer.render(pose) == given).all()
+    assert (given != before).any()
+    data.geom_xpos[0] = 0, 0, -0.5  # welded to the world, and elsewhere
+    with pytest.raises(omma.Error, match="found geom 'floor' elsewhere"):
+        omma.mujoco.moving_things(world, data)
+    omma.mujoco.update(world, data)
+    omma.mujoco.moving_things(world, data)
+    kinds, there = all_kinds
+    with pytest.raises(omma.Error, match="without skins, which bend, found 'skin strip'"):
+        omma.mujoco.moving_things(omma.mujoco.world_from_model(kinds, there), there)
 
 
 def test_an_updated_world_is_one_made_there(all_kinds):

@@ -63,6 +63,7 @@ WITHOUT = {
     "camera": "a model of MuJoCo (test_mujoco)",
     "fly_eye": "FlyGym's map of hexagons (test_mujoco_retina)",
     "head_pose": "a model of MuJoCo (test_mujoco)",
+    "moving_things": "a model of MuJoCo (test_mujoco)",
     "scene_from_model": "a model of MuJoCo (test_mujoco)",
     "update": "a model of MuJoCo (test_mujoco)",
     "world_from_model": "a model of MuJoCo (test_mujoco)",

@@ -361,6 +361,7 @@ def told_of(make):
 
 
 AHEAD = [[0, 0, -1], [0.1, 0, -1]]
+FLOOR = omma.scene.plane((20, 20), name="floor")
 
 
 @pytest.mark.parametrize(
@@ -505,6 +506,59 @@ def test_angles_in_radians_are_told(angles, seen_deg):
     assert len(told) == 1
     assert "expected degrees" in told[0]
     assert f"radians would be {seen_deg}" in told[0]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: omma.motion.place_on(FLOOR, (0, 0), height_m=0.01, heading_deg=np.pi / 2),
+        lambda: omma.motion.walk_on(
+            FLOOR,
+            omma.motion.Track([(0, 0), (0, 1), (1, 1)], [0, np.pi, np.pi / 2], [0, 1, 2]).every(
+                0.5
+            ),
+            height_m=0.01,
+        ),
+        lambda: omma.motion.Track(np.zeros((20, 2)), np.linspace(-3.1, 3.1, 20)),
+    ],
+)
+def test_headings_in_radians_are_told_once(call):
+    told, _ = told_of(call)
+    assert len(told) == 1
+    assert told[0].startswith("heading_deg: expected degrees, found")
+
+
+def test_headings_in_degrees_are_not():
+    almost_straight = np.column_stack([0.01 * np.sin(np.arange(20)), -0.2 * np.arange(20)])
+    calls = (
+        lambda: omma.motion.place_on(FLOOR, (0, 0), height_m=0.01, heading_deg=[90]),
+        lambda: omma.motion.place_on(FLOOR, np.empty((0, 2)), height_m=0.01),
+        lambda: omma.motion.walk_on(FLOOR, almost_straight, height_m=0.01),
+    )
+    for call in calls:
+        assert told_of(call)[0] == []
+
+
+def test_a_head_that_turns_as_in_degrees_is_told():
+    renderer = omma.Renderer(FLOOR, _eye(), omma.Fixed(1))
+    there = omma.look_at((0, 1, 0), (0, 0, -1))
+
+    def truth(turn):
+        return told_of(lambda: renderer.ground_truth(there, head_velocity=((0, 0, 0), turn)))[0]
+
+    assert truth((0, 5, 0)) == []
+    (told,) = truth((0, 300, 0))
+    assert told.startswith("head_velocity, angular_rad_s: 300 rad/s is unusual")
+    assert told.endswith("300°/s would be 5.236 rad/s")
+
+
+@pytest.mark.parametrize("kind", [np.float16, np.float32])
+def test_numbers_of_less_precision_are_taken_without_a_word(kind):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.photoreceptors.EventSensor(kind(0.5), refractory_s=kind(0.5), dark=kind(0.5))
+    with pytest.raises(omma.Error, match="dark: expected 0 to"):
+        omma.photoreceptors.EventSensor(dark=10**400)
 
 
 @pytest.mark.parametrize(

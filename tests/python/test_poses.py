@@ -94,6 +94,10 @@ HEADER = "x,y,z,yaw_deg,pitch_deg,roll_deg\n"
         (HEADER, "holds no pose"),
         ("1,2,3,0,0,0\n", ", line 1: expected a header line"),
         ("x,y,z\n", ", line 1: expected a header line"),
+        (
+            "t_ms,x,y,z,yaw,pitch,roll\n",
+            "columns are in seconds, metres and degrees: t_s for t_ms, yaw_deg for yaw, ",
+        ),
         (HEADER + "1,2,3,0,0,0\n1,2,3\n", ", line 3: expected 6 numbers.*found 3"),
         (
             HEADER + "1,2,3,0,0,zero\n",

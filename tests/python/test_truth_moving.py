@@ -193,11 +193,35 @@ def test_moves_need_poses_that_are_known(world, path):
 
 def test_times_where_nothing_moves_name_what_takes_them(world):
     renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
-    for call in (renderer.render, renderer.ground_truth):
-        with pytest.raises(omma.Error, match=r"times_s: .* found neither.* dataset takes time_s"):
-            call(POSES, times_s=TIMES)
+    with pytest.raises(omma.Error, match=r"times_s: .* found neither.* dataset takes time_s"):
+        renderer.render(POSES, times_s=TIMES)
+    for poses, times in ((POSES, TIMES[::-1]), (POSES[:1], TIMES[:1])):  # no path
+        with pytest.raises(omma.Error, match=r"times_s: expected two or more that grow"):
+            renderer.ground_truth(poses, times_s=times)
     with pytest.raises(TypeError, match="'time_s'; did you mean 'times_s'"):
         renderer.ground_truth(POSES, time_s=TIMES)
+
+
+def test_times_tell_how_a_head_flies_through_a_still_world(world):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(60, radius_m=1e-3), omma.Fixed(4))
+    velocity = omma.velocities_from_poses(POSES, TIMES)
+    told = renderer.ground_truth(POSES, head_velocity=velocity)
+    found = renderer.ground_truth(POSES, times_s=TIMES)
+    assert_allclose(found.flow_rad_s, told.flow_rad_s, rtol=0, atol=0)
+    assert (found.responses == told.responses).all()
+    assert np.abs(found.flow_rad_s).max() > 0.1
+    unseen = renderer.ground_truth(POSES, times_s=TIMES, unseen=["ball"] * len(POSES))
+    assert (unseen.distance_m != found.distance_m).any()
+    assert_allclose(unseen.flow_rotation_rad_s, found.flow_rotation_rad_s, atol=1e-6)
+
+
+def test_a_data_set_takes_the_times_of_a_truth_in_a_still_world(world):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(20), omma.Fixed(4))
+    truth = renderer.ground_truth(POSES, times_s=TIMES)
+    for asked in ({}, {"times_s": TIMES}, {"time_s": TIMES}):
+        data = renderer.dataset(POSES, truth=truth, **asked)
+        assert_allclose(data.time, TIMES)
+        assert_allclose(data.flow, truth.flow_rad_s)
 
 
 def growing_ball(folder, scales, times):
@@ -407,3 +431,10 @@ def test_datasets_say_what_was_unseen(world, tmp_path):
     with pytest.raises(omma.Error, match="unseen_by_light: expected True, as of truth"):
         renderer.dataset(POSES, truth=truth, unseen_by_light=False)
     assert "unseen_group" not in renderer.dataset(POSES)
+
+
+def test_names_that_nothing_has_name_their_argument(world):
+    renderer = omma.Renderer(world, omma.eye.generate_eye(5), omma.Fixed(1))
+    for name, value in (("shares", ["bal"]), ("velocities", {"bal": VELOCITY})):
+        with pytest.raises(omma.Error, match=rf"^{name}.*: expected the name .*'bal'.*'ball'"):
+            renderer.ground_truth(np.eye(4), **{name: value})

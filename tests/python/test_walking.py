@@ -71,6 +71,34 @@ def test_on_a_tilted_plane_pitch_and_roll_are_its_own(world_of, middle_m, legs_m
     np.testing.assert_allclose(shift, np.tile(HEIGHT_M * normal[[0, 2]], (300, 1)), atol=1e-8)
 
 
+def test_a_point_beside_the_ground_is_told_once_and_no_poses():
+    for call in (
+        lambda: place_on(FLOOR, (5000, 0), height_m=HEIGHT_M),
+        lambda: walk_on(FLOOR, [(5000, 0), (5001, 0)], height_m=HEIGHT_M),
+    ):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with pytest.raises(omma.Error, match="no ground below"):
+                call()
+
+
+def test_names_of_ground_are_those_of_things(world_of):
+    ball = solids.sphere(1, center_m=(0, 1, 0), name="ball")
+    world = world_of(FLOOR, ball)
+    on_floor = place_on(world, (0, 0), height_m=HEIGHT_M, on="floor")
+    assert (on_floor == place_on(world, (0, 0), height_m=HEIGHT_M, on=["floor"])).all()
+    heads = on_floor.copy()
+    heads[:, 1, 3] = 3
+    assert ground_at(world, heads, on="floor").height_m == pytest.approx(3)
+    for call in (
+        lambda: place_on(world, (0, 0), height_m=HEIGHT_M, on="flor"),
+        lambda: walk_on(world, [(0, 0), (1, 0)], height_m=HEIGHT_M, on=("ball", "flor")),
+        lambda: ground_at(world, heads, on=["flor"]),
+    ):
+        with pytest.raises(omma.Error, match=r"^on: expected the name of a thing .*'floor'"):
+            call()
+
+
 def field(rng, cells=40, cell_m=0.05):
     """Heights that are a sum of a function of x and one of z: two triangles of a cell are then in
     one plane, and bilinear interpolation is what the mesh is."""

@@ -182,6 +182,10 @@ def test_renders_along_a_track(files, run_omma):
         ("ground: goes with on_ground", {"path": track, "ground": ["floor"]}),
         ("lost: goes with on_ground", {"path": track, "lost": "leave_out"}),
         ("on_ground: expected a number above 0", {"path": track, "on_ground": 0.0}),
+        (
+            "^ground: expected the name of a thing",
+            {"path": track, "on_ground": 0.1, "ground": ["flor"]},
+        ),
         ("header line t_s,x_m,z_m", {"path": omma.examples.flight(), "on_ground": 0.1}),
     ):
         with pytest.raises(omma.Error, match=match):

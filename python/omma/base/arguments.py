@@ -70,16 +70,24 @@ def one_of(value: Any, choices: Iterable[str], name: str, more: str = "") -> str
 
 def positive(value: float, name: str) -> float:
     """``value`` where it is a finite number above 0; omma.Error names the argument."""
-    if not (_is_number(value) and 0 < value < float("inf")):
+    if not (_is_number(value) and 0 < _as_float(value) < float("inf")):
         raise Error(f"{name}: expected a number above 0, found {value!r:.40}")
     return float(value)
 
 
 def within(value: float, name: str, low: float, high: float) -> float:
     """``value`` where it is a number from ``low`` to ``high``; omma.Error names the argument."""
-    if not (_is_number(value) and low <= value <= high):
+    if not (_is_number(value) and low <= _as_float(value) <= high):
         raise Error(f"{name}: expected {low:g} to {high:g}, found {value!r:.40}")
     return float(value)
+
+
+def _as_float(value: Any) -> float:
+    """A number in double precision, as limits beside NumPy's own become numbers of its type."""
+    try:
+        return float(value)
+    except OverflowError:  # a whole number with hundreds of digits
+        return float("inf") if value > 0 else -float("inf")
 
 
 # Lengths of an array's axes: None or a name for any, ... first for any axes before the others.

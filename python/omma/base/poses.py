@@ -16,7 +16,7 @@ from omma._core import Camera, Error
 from omma.base.arguments import array_of, checked
 from omma.base.arrays import Floats
 from omma.base.dlpack import as_numpy
-from omma.base.tables import check_growing, read_table
+from omma.base.tables import check_growing, read_table, say_units
 from omma.base.warn import warn_caller
 
 Matrices = NDArray[np.float64]
@@ -130,7 +130,7 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
     """
     positions = numbers(positions_m, "positions_m", 3)
     angles_deg = numbers(yaw_pitch_roll_deg, "yaw_pitch_roll_deg", 3)
-    _warn_of_radians(angles_deg)
+    warn_of_radians(angles_deg, "yaw_pitch_roll_deg")
     yaw, pitch, roll = np.radians(angles_deg).T
     zero, one = np.zeros_like(yaw), np.ones_like(yaw)
 
@@ -144,9 +144,10 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
     return _matrices(positions, turn @ lift @ tilt, "yaw_pitch_roll_deg")
 
 
-def _warn_of_radians(angles_deg: Matrices) -> None:
-    """Warns of angles that look like radians: all within a turn, and multiples of a quarter turn
-    or, where there are many, spread over all of it."""
+def warn_of_radians(angles_deg: Matrices, name: str) -> None:
+    """Warns of angles (P, A), of which the first turn all around, that look like radians: all
+    within a turn, and multiples of a quarter turn or, where there are many, spread over all of
+    it."""
     size = np.abs(angles_deg)
     if not size.size or size.max() > 2 * np.pi + 1e-6:
         return
@@ -161,7 +162,7 @@ def _warn_of_radians(angles_deg: Matrices) -> None:
     else:
         return
     warn_caller(
-        f"yaw_pitch_roll_deg: expected degrees, found {seen:.5g} and nothing beyond "
+        f"{name}: expected degrees, found {seen:.5g} and nothing beyond "
         f"{size.max():.4g}; {seen:.5g} radians would be {np.degrees(seen):.4g}",
         UserWarning,
     )
@@ -191,7 +192,7 @@ def load_timed_poses(path: str | os.PathLike[str]) -> tuple[Matrices, Floats | N
     """As `load_poses`, and when they are (P,), s, where the file has ``t_s``."""
     plain = (QUATERNION_COLUMNS, ANGLE_COLUMNS)
     headers = [*plain, *(("t_s", *columns) for columns in plain)]
-    columns, table, lines = read_table(path, headers, "pose")
+    columns, table, lines = read_table(path, headers, "pose", remedy=_remedy)
     times_s = None
     if columns[0] == "t_s":
         times_s, table, columns = table[:, 0], table[:, 1:], columns[1:]
@@ -203,6 +204,13 @@ def load_timed_poses(path: str | os.PathLike[str]) -> tuple[Matrices, Floats | N
             raise Error(f"{os.fsdecode(path)}, line {line}: the quaternion has length 0")
         return poses_from_quaternions(table[:, :3], table[:, 3:]), times_s
     return poses_from_angles(table[:, :3], table[:, 3:]), times_s
+
+
+def _remedy(columns: tuple[str, ...]) -> str:
+    """What to do about a file whose columns are called otherwise."""
+    names = {"t": "t_s", "time": "t_s", "x": "x", "y": "y", "z": "z"}
+    names |= {one: f"{one}_deg" for one in ("yaw", "pitch", "roll")}
+    return say_units(columns, names)
 
 
 def as_poses(poses: Any, first: int = 0) -> Matrices:

@@ -39,13 +39,20 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     "angle between axes": (-math.radians(60.0), math.radians(60.0), "rad"),
     # Microsaccades move axes by some degrees.
     "turn of an axis": (-math.radians(30.0), math.radians(30.0), "rad"),
+    # Flies turn by some thousand degrees in a second.
+    "angular velocity": (0.0, 100.0, "rad/s"),
     "direction": (-math.tau, math.tau, "rad"),
     "diameter": (1e-6, 2e-2, "m"),
     "rhabdom length": (1e-6, 1e-2, "m"),
     "absorption": (1e2, 1e5, "per m"),
 }
 # What a number would be that is given in another unit: its factor, and how it is written.
-_MEANT = {"rad": (math.pi / 180, "°"), "m": (1e-6, " µm"), "per m": (1e6, " per µm")}
+_MEANT = {
+    "rad": (math.pi / 180, "°"),
+    "rad/s": (math.pi / 180, "°/s"),
+    "m": (1e-6, " µm"),
+    "per m": (1e6, " per µm"),
+}
 
 
 # Smaller pictures are made up, and a picture of twice its height is off by rounding at most.

@@ -119,6 +119,21 @@ def check_growing(name: str, times_s: Floats, lines: Sequence[int] | NDArray[np.
         )
 
 
+def say_units(columns: Sequence[str], known: dict[str, str]) -> str:
+    """What columns with other units, or without one, would be called; "" where none is.
+
+    Args:
+        known: what columns are called, by their names without a unit.
+    """
+    stems = {re.split(r"[^a-z]", one)[0]: one for one in columns}
+    other = [
+        f"{name} for {stems[stem]}"
+        for stem, name in known.items()
+        if stem in stems and stems[stem] != name
+    ]
+    return f"columns are in seconds, metres and degrees: {', '.join(other)}" if other else ""
+
+
 def as_grid(path: PathLike, table: Floats, across: str, upwards: str) -> tuple[Floats, ...]:
     """Of a table whose first two columns are coordinates: those across (A,) and upwards (E,),
     ascending, and for each further column its values (E, A).

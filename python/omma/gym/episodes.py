@@ -99,7 +99,7 @@ class EpisodesInTurn:
             self._steps[k] += 1
             before = self._before[k] = self._states[k]
             self._actions[k] = action
-            moved = self._loop.motion(before, action, rng)
+            moved = _called(self._loop, self._count, "motion", before, action, rng)
             returned.append(_taken(self._loop, moved, "motion"))
             self._states[k] = moved[0]
         self._begun = over
@@ -135,20 +135,21 @@ class EpisodesInTurn:
         ended, cut_off = np.zeros(self._count, bool), np.zeros(self._count, bool)
         for k in np.flatnonzero(~self._begun).tolist():
             moment = self._moments[k]
-            reward = loop.reward(moment)
+            reward = _called(loop, self._count, "reward", moment)
             try:
                 rewards[k] = worth = float(reward)
             except (TypeError, ValueError):
                 worth = np.nan
             if not np.isfinite(worth):
                 raise Error(f"reward: expected a finite number, found {reward!r:.40}")
-            ended[k] = loop.ended is not None and _is_over(loop.ended(moment))
+            if loop.ended is not None:
+                ended[k] = _is_over(_called(loop, self._count, "ended", moment))
             cut_off[k] = loop.most_steps is not None and self._steps[k] >= loop.most_steps
         return rewards, ended, cut_off
 
     def _start(self, k: int, rng: np.random.Generator) -> tuple[Any, Any, str]:
         self._steps[k], self._actions[k] = 0, None
-        begun = self._loop.start(rng)
+        begun = _called(self._loop, self._count, "start", rng)
         taken = _taken(self._loop, begun, "start")
         self._states[k] = self._before[k] = begun[0]
         return taken
@@ -250,13 +251,14 @@ class EpisodesTogether:
         loop, goes = self._loop, ~self._begun
         assert self._moment is not None
         assert self._steps is not None
-        rewards = array_of(loop.reward(self._moment), "reward", (self._count,))
+        reward = _called(loop, self._count, "reward", self._moment)
+        rewards = array_of(reward, "reward", (self._count,))
         bad = rewards[~np.isfinite(rewards)]
         if len(bad):
             raise Error(f"reward: expected finite numbers, found {bad[0]:g}")
         ended = np.zeros(self._count, bool)
         if loop.ended is not None:
-            ended = np.asarray(loop.ended(self._moment))
+            ended = np.asarray(_called(loop, self._count, "ended", self._moment))
             if ended.dtype != np.bool_ or ended.shape != (self._count,):
                 raise Error(
                     f"ended: expected an array ({self._count},) of bool, found {ended.dtype} "
@@ -268,12 +270,14 @@ class EpisodesTogether:
         return np.where(goes, rewards, 0.0), ended & goes, cut_off & goes
 
     def _started(self, count: int, rng: np.random.Generator) -> tuple[Any, Floats, Floats | None]:
-        return self._checked(self._loop.start(count, rng), count, "start")
+        begun = _called(self._loop, self._count, "start", count, rng)
+        return self._checked(begun, count, "start")
 
     def _moved(
         self, states: Any, actions: NDArray[Any], rng: np.random.Generator
     ) -> tuple[Any, Floats, Floats | None]:
-        return self._checked(self._loop.motion(states, actions, rng), len(actions), "motion")
+        moved = _called(self._loop, self._count, "motion", states, actions, rng)
+        return self._checked(moved, len(actions), "motion")
 
     def _checked(self, returned: Any, count: int, name: str) -> tuple[Any, Floats, Floats | None]:
         poses, transforms, _ = _taken(self._loop, returned, name)
@@ -288,6 +292,21 @@ class EpisodesTogether:
             return returned[0], matrices, None
         shape = (count, len(self._loop.things), 4, 4)
         return returned[0], matrices, array_of(transforms, f"{name}: transforms", shape)
+
+
+def _called(loop: Loop, count: int, name: str, *arguments: Any) -> Any:
+    """What a function of a loop returns; omma.Error where it changes the world that several
+    environments see."""
+    changes = loop.renderer.world._changes
+    before = changes.count
+    returned = getattr(loop, name)(*arguments)
+    if count > 1 and changes.count != before:
+        raise Error(
+            f"{name}: expected it to leave the world as it is, which {count} environments share, "
+            "found that it moved or changed it; a Loop with things= has start and motion return "
+            "where each environment has its own"
+        )
+    return returned
 
 
 def _taken(loop: Loop, returned: Any, name: str) -> tuple[Any, Any, str]:

@@ -84,6 +84,7 @@ class Loop:
             renderers with `Fixed` or `ToError`.
         things: names or indices of K things that move besides the head, or that of one; start and
             motion then return (state, pose, transforms), the last ``world_from_node`` (K, 4, 4), m.
+            Several environments share the world, which functions leave as it is.
         bounds: least and largest response, for the bounds of observations; a response beyond them
             is an error. None: `response_bounds` of the world.
         batched: functions are of K environments at a time, so that what they do is done in arrays:

@@ -60,7 +60,9 @@ def eye_vector_env(loop: Loop, count: int) -> gymnasium.vector.VectorEnv[Any, An
         count: of environments.
 
     Raises:
-        omma.Error: no Gymnasium (``omma[gym]``), a space that is none, or a count below 1.
+        omma.Error: no Gymnasium (``omma[gym]``), a space that is none, or a count below 1; in
+            ``reset`` and ``step``, a function of the loop that moves or changes the world, which
+            several environments share.
     """
     number = whole(count, "count", 1, _MOST_ENVIRONMENTS)
     made: gymnasium.vector.VectorEnv[Any, Any, Any] = _environments().EyeVectorEnv(loop, number)

@@ -199,7 +199,7 @@ def _walked(begun: Begun, track: Track, height_m: float) -> Matrices:
     """Poses on the ground, in a world without light, as only distances are asked for."""
     job = begun.job
     world = World(begun.scene, threads=job.threads, backend=job.backend, devices=tuple(job.devices))
-    with as_named(height_m="on_ground", instances="ground"):
+    with as_named(height_m="on_ground", on="ground"):
         return walk_on(world, track, height_m=height_m, on=job.ground_names)
 
 

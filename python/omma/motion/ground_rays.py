@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Eye, merge_eyes
 from omma.base.arrays import Floats
+from omma.rendering.call import Call
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
+from omma.rendering.truth import groups_of_shares
 from omma.scene.world import World
+from omma.scene.world_names import check_named
 
 # Most surfaces that a vertical line is followed through.
 LAYERS = 256
@@ -51,16 +55,34 @@ def ray_bundle(
     return Renderer(world, whole, Fixed(1), threads=threads)
 
 
+def names_of_ground(world: World, on: str | Sequence[str]) -> Sequence[str]:
+    """Names of what is ground, as callers say it: several or one; omma.Error where nothing is
+    called so."""
+    names = (on,) if isinstance(on, str) else on
+    for name in names:
+        if isinstance(name, str):
+            check_named(world, name, "on")
+    return names
+
+
 def shoot(rays: Renderer, poses: Floats, on: Sequence[str] = ()) -> Met:
     """What a bundle meets from poses (P, 4, 4), and whether that is one of the instances named;
     without names all is wanted."""
     distance, normal, wanted = [], [], []
+    asked: dict[str, Any] = {}
+    if len(on) > 0:
+        asked["share_of_instance"] = groups_of_shares(rays.world, on)[1]
     for first in range(0, len(poses), _PIECE):
-        truth = rays.ground_truth(poses[first : first + _PIECE], shares=list(on))
-        distance.append(truth.nearest_m.astype(np.float64))
-        normal.append(truth.normal.astype(np.float64))
-        shares = truth.shares
-        wanted.append(truth.met > 0 if shares is None else shares.sum(axis=-1) > 0)
+        call = Call.of(rays, poses[first : first + _PIECE], {}, None)
+        found = {name: np.empty(call.size, np.float32) for name in ("met", "nearest_m")}
+        found["normal"] = np.empty((*call.size, 3), np.float32)
+        if len(on) > 0:
+            found["shares"] = np.empty((*call.size, len(on)), np.float32)
+        responses = {"responses": call.new_frames().responses}
+        call.quiet().render_truth(responses | found | asked)
+        distance.append(found["nearest_m"].astype(np.float64))
+        normal.append(found["normal"].astype(np.float64))
+        wanted.append(found["shares"].sum(axis=-1) > 0 if len(on) > 0 else found["met"] > 0)
     return Met(np.concatenate(distance), np.concatenate(normal), np.concatenate(wanted))
 
 

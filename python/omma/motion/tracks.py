@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.arrays import Floats
-from omma.base.tables import check_growing, read_table
+from omma.base.poses import warn_of_radians
+from omma.base.tables import check_growing, read_table, say_units
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 
@@ -40,6 +41,9 @@ class Track:
 
     Raises:
         omma.Error: other shapes, numbers that are not finite, times that do not grow.
+
+    Warns:
+        UserWarning: the headings look like radians.
     """
 
     xz_m: Floats
@@ -56,6 +60,8 @@ class Track:
                 given[name] = array_of(
                     getattr(self, name), name, (len(given["xz_m"]),), finite=True
                 )
+        if "heading_deg" in given:
+            warn_of_radians(given["heading_deg"][:, None], "heading_deg")
         for name, values in given.items():
             object.__setattr__(self, name, values)
         if len(given["xz_m"]) == 0:
@@ -90,10 +96,11 @@ class Track:
         return self._at(arc, stride * steps, step * steps)
 
     def _at(self, known: Floats, asked: Floats, times_s: Floats) -> Track:
-        heading = self.heading_deg
-        if heading is not None:
-            heading = np.interp(asked, known, np.unwrap(heading, period=360))
-        return Track(_between(asked, known, self.xz_m), heading, times_s)
+        track = Track(_between(asked, known, self.xz_m), None, times_s)
+        if self.heading_deg is not None:  # what is odd about these was told when they were given
+            heading = np.interp(asked, known, np.unwrap(self.heading_deg, period=360))
+            object.__setattr__(track, "heading_deg", heading)
+        return track
 
 
 @checked
@@ -114,7 +121,7 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
 
     Warns:
         UserWarning: lines were left out: how many, and where that leaves more than a second
-            without a position.
+            without a position; headings that look like radians.
     """
     name = os.fsdecode(path)
     one_of(lost, LOST, "lost")
@@ -129,8 +136,7 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
         raise Error(
             f"{name}, line {lines[row]}, column {columns[int(np.isnan(table[row]).argmax())]}: "
             f"expected a finite number, found none; {np.sum(~known)} of {len(known)} positions "
-            'lack one: lost="leave_out" (--lost leave_out) leaves out frames in which the animal '
-            "was lost"
+            'lack one: lost="leave_out" leaves out frames in which the animal was lost'
         )
     if not known.any():
         raise Error(f"{name}: holds no position: each line lacks a number")
@@ -147,11 +153,7 @@ def _remedy(headers: Sequence[tuple[str, ...]], columns: tuple[str, ...]) -> str
     """What to do about a file whose columns are others: those of GPS loggers and of maps."""
     names = {re.split(r"[^a-z]", one)[0]: one for one in columns}
     units = {"t": "t_s", "time": "t_s", "x": "x_m", "z": "z_m", "heading": "heading_deg"}
-    other = [
-        f"{unit} for {names[stem]}"
-        for stem, unit in units.items()
-        if stem in names and names[stem] != unit
-    ]
+    other = say_units(columns, units)
     whole = [header for header in headers if set(header) <= set(columns)]
     if whole and not other:
         more = [one for one in columns if one not in max(whole, key=len)]
@@ -165,7 +167,7 @@ def _remedy(headers: Sequence[tuple[str, ...]], columns: tuple[str, ...]) -> str
         y = names["y"]
         said.append(f"z_m is probably the negative of {y}: on maps y leads north, which is -Z")
     if other:
-        said.append(f"columns are in seconds, metres and degrees: {', '.join(other)}")
+        said.append(other)
     return "; ".join(said)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +13,13 @@ from omma._core import Error, Scene
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
-from omma.base.poses import Matrices, as_poses
+from omma.base.poses import Matrices, as_poses, warn_of_radians
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.motion.footing import Below, bounds_of, rounding_m, standing
-from omma.motion.ground_rays import first_below, ray_bundle, shoot, upright
+from omma.motion.ground_rays import first_below, names_of_ground, ray_bundle, shoot, upright
 from omma.motion.tracks import Track, heading_along
+from omma.rendering.pose_warnings import warn_of_poses
 from omma.rendering.renderer import Renderer
 from omma.scene.world import World
 
@@ -35,7 +37,7 @@ def place_on(
     heading_deg: ArrayLike = 0.0,
     legs_m: ArrayLike | None = None,
     from_m: float | None = None,
-    on: Sequence[str] = (),
+    on: str | Sequence[str] = (),
 ) -> Matrices:
     """Poses of heads on the ground: (P, 4, 4), ``world_from_head``, m.
 
@@ -62,7 +64,8 @@ def place_on(
             and the middles of its long sides. None: 3 ``height_m`` long and 2 wide.
         from_m: the y below which ground is looked for, as under trees and roofs. None: from above
             everything.
-        on: names of instances that are ground; all else is looked through. (): everything is.
+        on: names of instances that are ground, or that of one; all else is looked through. ():
+            everything is.
 
     Example:
         >>> floor = omma.scene.plane((2, 2))
@@ -75,21 +78,39 @@ def place_on(
             that is not finite, no instance of such a name.
 
     Warns:
-        UserWarning: how many legs found no ground, and at how many points fewer than three did.
+        UserWarning: how many legs found no ground, and at how many points fewer than three did;
+            headings that look like radians.
     """
-    height = positive(height_m, "height_m")
     points = _points(xz_m)
     heading = array_of(heading_deg, "heading_deg")
     if heading.shape not in ((), (len(points),)) or not np.isfinite(heading).all():
         raise Error(
             f"heading_deg: expected one finite number or {len(points)}, found {heading!r:.60}"
         )
-    legs = _legs(legs_m, height)
+    warn_of_radians(heading.reshape(-1, 1), "heading_deg")
+    return _placed(ground, points, heading, height_m, _Stance(legs_m, from_m, on))
+
+
+class _Stance(NamedTuple):
+    """As arguments of `place_on`."""
+
+    legs_m: ArrayLike | None
+    from_m: float | None
+    on: str | Sequence[str]
+
+
+def _placed(
+    ground: World | Scene, points: Floats, heading_deg: Floats, height_m: float, stance: _Stance
+) -> Matrices:
+    """What `place_on` gives at points (P, 2), for one heading or (P,)."""
+    height = positive(height_m, "height_m")
+    legs = _legs(stance.legs_m, height)
     world = ground if isinstance(ground, World) else World(ground)
-    yaw = np.broadcast_to(np.radians(heading), len(points))
+    yaw = np.broadcast_to(np.radians(heading_deg), len(points))
+    on = names_of_ground(world, stance.on)
     if len(points) == 0:
         return np.empty((0, 4, 4))
-    below = Below(world, np.concatenate([[(0.0, 0.0)], legs]), from_m, on)
+    below = Below(world, np.concatenate([[(0.0, 0.0)], legs]), stance.from_m, on)
     foot, normal, is_found = standing(below, points, yaw)
     _tell(world, points, np.isfinite(foot), is_found)
     return _poses(points, foot, normal, yaw, height)
@@ -103,7 +124,7 @@ def walk_on(
     height_m: float,
     legs_m: ArrayLike | None = None,
     from_m: float | None = None,
-    on: Sequence[str] = (),
+    on: str | Sequence[str] = (),
 ) -> Matrices:
     """Poses of a head that walks along a track over the ground: (P, 4, 4), m.
 
@@ -131,10 +152,7 @@ def walk_on(
     if heading is None:
         ahead = _legs(legs_m, positive(height_m, "height_m"))[:, 1]
         heading = heading_along(given.xz_m, float(np.ptp(ahead)))
-    return place_on(
-        ground, given.xz_m, height_m=height_m, heading_deg=heading, legs_m=legs_m, from_m=from_m,
-        on=on,
-    )  # fmt: skip
+    return _placed(ground, given.xz_m, heading, height_m, _Stance(legs_m, from_m, on))
 
 
 @value_class
@@ -159,7 +177,7 @@ def ground_at(
     ground: World | Scene,
     poses: ArrayLike | tuple[ArrayLike, ArrayLike],
     *,
-    on: Sequence[str] = (),
+    on: str | Sequence[str] = (),
     splat_span_m: float | None = None,
 ) -> GroundAt:
     """The slope of the ground below heads, and how far it is to what is ahead.
@@ -180,11 +198,16 @@ def ground_at(
         ([0.2], [1.5])
 
     Raises:
-        omma.Error: there is no ground below some heads, which it names; poses that are none.
+        omma.Error: there is no ground below some heads, which it names; poses that are none, no
+            instance of such a name.
+
+    Warns:
+        RuntimeWarning, UserWarning: what `Renderer.render` tells of odd poses.
     """
     heads = as_poses(poses)
     span = None if splat_span_m is None else positive(splat_span_m, "splat_span_m")
     world = ground if isinstance(ground, World) else World(ground)
+    on = names_of_ground(world, on)
     if len(heads) == 0:
         return GroundAt(*np.empty((4, 0)))
     start = heads[:, :3, 3]
@@ -198,13 +221,15 @@ def ground_at(
     without_legs = np.ones((len(heads), 0), np.bool_)
     _tell(world, start[:, [0, 2]], np.isfinite(height), without_legs)
     forward = -heads[:, :3, 2]
+    ahead = ray_bundle(world, [[0, 0, -1]])
+    warn_of_poses(ahead._engine, heads)
     level = np.hypot(forward[:, 0], forward[:, 2])
     rise = -(normal[:, [0, 2]] * forward[:, [0, 2]]).sum(axis=1)
     return GroundAt(
         height,
         np.degrees(np.arctan2(np.hypot(normal[:, 0], normal[:, 2]), normal[:, 1])),
         np.degrees(np.arctan2(rise, normal[:, 1] * level)),
-        shoot(ray_bundle(world, [[0, 0, -1]]), heads).distance_m[:, 0],
+        shoot(ahead, heads).distance_m[:, 0],
     )
 
 

@@ -1,5 +1,5 @@
 from .fly_eyes import fly_eye
-from .moving import update
+from .moving import moving_things, update
 from .pictures import PictureRetina
 from .poses import camera, head_pose
 from .retina import FlyRetina
@@ -11,6 +11,7 @@ __all__ = [
     "camera",
     "fly_eye",
     "head_pose",
+    "moving_things",
     "scene_from_model",
     "update",
     "world_from_model",

@@ -27,6 +27,7 @@ from omma.mujoco.models import (
     skin_names,
     transforms,
 )
+from omma.mujoco.moving import note_made, note_shown
 from omma.mujoco.poses import cameras
 from omma.mujoco.shapes import Shape, drawn_size, shape_of
 from omma.mujoco.skins import skin_coordinates, skin_triangles, skin_vertices
@@ -81,7 +82,9 @@ def scene_from_model(
     world_from_geom = transforms(data.geom_xpos, data.geom_xmat)
     meshes_of: dict[tuple[Any, ...], range] = {}  # geoms that look the same share their meshes
     names, shapes = names_of(model, "geom", model.ngeom), shape_names(model)
-    for geom in _seen_geoms(model, look, names, groups, hidden):
+    seen = _seen_geoms(model, look, names, groups, hidden)
+    note_shown(model, [(names[geom], shapes[geom]) for geom in seen])
+    for geom in seen:
         own = model.geom_rgba[geom].tobytes(), model.geom_size[geom].tobytes()
         key = shapes[geom], int(model.geom_matid[geom]), *own
         if key not in meshes_of:
@@ -135,7 +138,9 @@ def world_from_model(
         omma.Error: as `scene_from_model` and `omma.World` do.
     """
     scene = scene_from_model(model, data, groups=groups, hidden=hidden, colors=colors, lux=lux)
-    return World(scene, **options)
+    world = World(scene, **options)
+    note_made(world)
+    return world
 
 
 def _seen_geoms(

@@ -168,6 +168,9 @@ class EventSensor:
 
         Raises:
             omma.Error: a wrong shape, and what `step` raises.
+
+        Warns:
+            UserWarning: no frame within a second of another.
         """
         frames = array_of(responses, "responses", [("T", "N"), ("T", "N", "R")], dtype=None)
         times = array_of(times_s, "times_s", (len(frames),))
@@ -175,6 +178,8 @@ class EventSensor:
         for frame, at in zip(frames, times):
             state, events = self.step(state, frame, float(at))
             found.append(events)
+        if len(times) > 1:
+            warn_of_slip("time between frames", float(np.diff(times).min()), "times_s")
         return np.concatenate(found)
 
     @checked

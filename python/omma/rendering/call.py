@@ -99,6 +99,8 @@ class Call:
     first_frame: int | None
     """The number of the first pose's frame; None: frames are counted on."""
     progress: Progress | None
+    tells_of_poses: bool = True
+    """Whether the user is told what is odd about the poses."""
 
     @classmethod
     def of(
@@ -108,15 +110,21 @@ class Call:
         moves: MovesOptions,
         first_pose: int | None,
         progress: Progress | None = None,
+        *,
+        tells_flow: bool = False,
     ) -> Call:
         """What a user asks for, in arrays.
+
+        Args:
+            tells_flow: as of `Moves`.
 
         Raises:
             omma.Error: an argument is not what `Renderer.render` says.
             TypeError: ``first_pose`` is no whole number.
         """
         matrices = poses_of(renderer, poses, moves)
-        moving = Moves(renderer.world, matrices, moves, renderer.settings.impulse_response)
+        impulse_response = renderer.settings.impulse_response
+        moving = Moves(renderer.world, matrices, moves, impulse_response, tells_flow)
         return cls(renderer, matrices, moving, frame_number(first_pose), progress)
 
     @property
@@ -129,6 +137,10 @@ class Call:
         if self.first_frame is not None or self.renderer.settings.is_noise_frozen:
             return self
         return replace(self, first_frame=self.renderer._frames.take(len(self.poses)))
+
+    def quiet(self) -> Call:
+        """The same of poses that no user has given."""
+        return replace(self, tells_of_poses=False)
 
     def piece(self, first: int, count: int) -> Call:
         """The same of some of the poses, with their share of the progress."""
@@ -230,7 +242,8 @@ class Call:
     def _tell(self) -> None:
         """Tell the world what has moved, and the user what is odd about the poses."""
         self.moves.note()
-        warn_of_poses(self.renderer._engine, self.poses)
+        if self.tells_of_poses:
+            warn_of_poses(self.renderer._engine, self.poses)
 
 
 def render_eyes(

@@ -100,6 +100,7 @@ class Moves:
         matrices: the poses, (P, 4, 4).
         options: as the user gave them.
         impulse_response: of the renderer's settings; None: frames are instants.
+        tells_flow: whether times that grow tell how the head moves, also where nothing else does.
     """
 
     def __init__(
@@ -108,6 +109,7 @@ class Moves:
         matrices: Matrices,
         options: MovesOptions,
         impulse_response: ImpulseResponse | None,
+        tells_flow: bool = False,
     ) -> None:
         self._world = world
         self._poses, poses = matrices, len(matrices)
@@ -134,12 +136,17 @@ class Moves:
         if times is not None:
             self._times = array_of(times, "times_s", (poses,))
             moving = instances is not None or len(world.scene.animations) > 0
-            if not moving and impulse_response is None:
+            if not moving and impulse_response is None and not (tells_flow and self.is_path()):
+                found = f"found neither in {world.scene.path or 'the scene'}"
+                if tells_flow:
+                    raise Error(
+                        "times_s: expected two or more that grow, by which the head moves, or "
+                        f"instances and transforms or a scene with an animation, {found}"
+                    )
                 raise Error(
                     "times_s: expected instances and transforms or a scene with an animation, "
-                    f"found neither in {world.scene.path or 'the scene'}; of a world that stands "
-                    "still dataset takes time_s=times_s, and ground_truth "
-                    "head_velocity=omma.velocities_from_poses(poses, times_s)"
+                    f"{found}; of a world that stands still dataset takes time_s=times_s, and "
+                    "ground_truth takes times_s for the head's velocity"
                 )
         elif animation is not None:
             raise Error("animation: is for times_s, found None of these")
@@ -200,15 +207,13 @@ class Moves:
 
     def for_engine(self) -> EngineMoves | None:
         """As the engine takes them; None where nothing moves."""
-        if len(self._instances) == 0 and self._times is None and not self._groups:
+        # Of a scene without animations, times say when poses and transforms are (`head_velocity`,
+        # `velocities`) and no more.
+        are_seen = self._longest_s is not None or len(self._world.scene.animations) > 0
+        seen = self._times if are_seen else None
+        if len(self._instances) == 0 and seen is None and not self._groups:
             return None
-        # Of a scene without animations, times say when transforms are (`velocities`) and no more.
-        moves_alone = (
-            len(self._instances) > 0
-            and self._longest_s is None
-            and len(self._world.scene.animations) == 0
-        )
-        times = np.empty(0) if self._times is None or moves_alone else self._times
+        times = np.empty(0) if seen is None else seen
         transforms = np.ascontiguousarray(self._transforms.reshape(-1, 4, 4))
         times = np.ascontiguousarray(times)
         return (

@@ -16,6 +16,7 @@ from omma.base.arguments import array_of, checked, whole
 from omma.base.arrays import Floats32
 from omma.base.poses import Matrices
 from omma.base.progress import Progress, share_of
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.rendering.call import Call, Poses, Prepared
 from omma.rendering.labels import Variables, camera_variables
@@ -24,6 +25,7 @@ from omma.rendering.settings import Shared, ToError
 from omma.rendering.truth_origin import Origin
 from omma.scene.capture_cameras import CaptureCameras
 from omma.scene.world import World
+from omma.scene.world_names import check_named, names_in
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -134,8 +136,8 @@ def ground_truth(
         head_velocity: the head's linear velocity, m/s, and angular velocity, rad/s, in the
             world's frame, each (3,) or (P, 3): of its origin, and right-handed about it.
             `omma.velocities_from_poses` finds them from a path. None: with ``times_s`` that
-            grow, that along the path of the poses, else none. There is optic flow with a velocity
-            of either, or with such times.
+            grow, that along the path of the poses, also where nothing else moves, else none.
+            There is optic flow with a velocity of either, or with such times.
         velocities: of what moves by itself, {name or index in `World.instances`: (linear,
             angular)}: of the origin of the node's frame where it is now, as ``head_velocity``.
             With ``times_s``, what ``instances`` and animations move has the velocity at which
@@ -152,7 +154,7 @@ def ground_truth(
 
     Warns:
         UserWarning: things that grow, are stretched, or are moved by bones or morph targets, as
-            their flow lacks that.
+            their flow lacks that; a head velocity that turns as no animal does, as of degrees.
     """
     sampling = self.settings.sampling
     if isinstance(sampling, Shared):
@@ -163,7 +165,7 @@ def ground_truth(
     if self.settings.impulse_response is not None:
         raise Error("ground_truth: expected a renderer without an impulse response, found one with")
     rendered = progress if capture_cameras is None else share_of(progress, 0, _RENDERED)
-    call = Call.of(self, poses, moves, first_pose, rendered).numbered()
+    call = Call.of(self, poses, moves, first_pose, rendered, tells_flow=True).numbered()
     to_error = isinstance(sampling, ToError)
     frames = call.new_frames(standard_error=standard_error or to_error, rays=to_error)
     found: dict[str, Any] = {
@@ -180,15 +182,20 @@ def ground_truth(
     if not isinstance(shares, (list, tuple)):
         raise TypeError(f"shares: expected a list of names or indices, found {shares!r:.40}")
     if len(shares) > 0:
-        names, asked["share_of_instance"] = _groups(self.world, shares)
+        names, asked["share_of_instance"] = groups_of_shares(self.world, shares)
         found["shares"] = np.empty((*call.size, len(shares)), np.float32)
+    is_given = head_velocity is not None
     if head_velocity is None and call.moves.is_path():
         head_velocity = call.moves.head_velocity()
     if head_velocity is not None or velocities is not None:
         for component in ("rotation", "translation", "objects"):
             found[f"flow_{component}_rad_s"] = np.empty((*call.size, 2), np.float32)
         if head_velocity is not None:
-            asked["head"] = _velocity(head_velocity, "head_velocity", len(call.poses))
+            head = _velocity(head_velocity, "head_velocity", len(call.poses))
+            asked["head"] = head
+            if is_given:
+                turn = np.linalg.norm(head[:, 3:], axis=1)
+                warn_of_slip("angular velocity", turn, "head_velocity, angular_rad_s")
         asked |= _objects(self.world, velocities or {}, call.moves, len(call.poses))
     call.render_truth(found | asked)
     if capture_cameras is not None:
@@ -303,20 +310,17 @@ def _at(pose: NDArray[np.float64]) -> str:
     return f"at ({place}) m looking along ({ahead})"
 
 
-def _groups(world: World, shares: Sequence[str | int]) -> tuple[tuple[str, ...], Any]:
+def groups_of_shares(world: World, shares: Sequence[str | int]) -> tuple[tuple[str, ...], Any]:
     """What each share is called, and the share of each instance, -1 for none."""
     if len(shares) > _MOST_SHARES:
         raise Error(f"shares: expected at most {_MOST_SHARES}, found {len(shares)}")
-    # Clouds of splats stand behind the instances.
-    names = [instance.name for instance in world.instances]
-    names += [cloud.name for cloud in world.scene.splats]
+    names = names_in(world)
     group = np.full(len(names), -1, np.int32)
     called = []
     for k, one in enumerate(shares):
         if isinstance(one, str):
+            check_named(world, one, f"shares[{k}]")
             members = [index for index, name in enumerate(names) if name == one]
-            if not members:
-                world.index(one)  # raises, with names that are nearly the same
         else:
             members = [whole(one, f"shares[{k}]", 0, len(names) - 1)]
         if np.any(group[members] >= 0):
@@ -352,6 +356,9 @@ def _objects(
             f"{velocities!r:.40}"
         )
     count = len(world.instances)
+    for one in velocities:
+        if isinstance(one, str):
+            check_named(world, one, "velocities")
     things = [
         world.index(one) if isinstance(one, str) else whole(one, "velocities", 0, count - 1)
         for one in velocities

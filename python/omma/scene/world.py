@@ -30,6 +30,7 @@ from omma.scene.lighting import (
 )
 from omma.scene.rig_parts import RigParts
 from omma.scene.without_light import tell_without_light
+from omma.scene.world_changes import Changes
 from omma.scene.world_colors import Colors, set_color, set_image
 from omma.scene.world_moves import (
     Animations,
@@ -137,6 +138,7 @@ class World:
         self._colors = Colors(scene)  # that changed; shared as well
         # The time of the last `at` and of which animation, where there was one; shared as well.
         self._last_at: list[tuple[float, Animations | None]] = []
+        self._changes = Changes()  # how often it was changed; shared as well
         number = whole(threads, "threads", 0, 1 << 16)
         cards = ordinals(devices)
         self._asked = {"threads": number, "backend": backend, "devices": cards}

@@ -14,6 +14,7 @@ from omma._core import Error, Image, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.methods import method_of
 from omma.base.pixels import check_picture
+from omma.scene.world_changes import Changes
 
 Colour = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -77,6 +78,7 @@ class Coloured(Protocol):
 
     _engine: _core.World
     _colors: Colors
+    _changes: Changes
 
 
 _world_method = method_of("omma.scene.world", "World")
@@ -103,6 +105,7 @@ def set_image(self: Coloured, image: int | str, picture: Image | ArrayLike) -> N
         UserWarning: floats that are whole numbers up to 255, as of a picture in 8 bits.
     """
     self._colors.set_image(self._engine, image, picture)
+    self._changes.note()
 
 
 @checked
@@ -130,6 +133,7 @@ def set_color(
             something is being rendered.
     """
     self._colors.set_color(self._engine, material, base_color, emissive)
+    self._changes.note()
 
 
 def index_of(given: int | str, what: str, names: Sequence[str]) -> int:

@@ -14,6 +14,7 @@ from omma.base.arguments import array_of, checked, whole
 from omma.base.methods import method_of
 from omma.base.progress import Progress
 from omma.scene.rig_parts import RigParts
+from omma.scene.world_changes import Changes
 
 Animations = str | int
 Instances = str | int | Sequence[str | int] | NDArray[np.integer]
@@ -25,6 +26,7 @@ class Movable(Protocol):
     _engine: _core.World
     _moved: dict[int, NDArray[np.float64]]
     _last_at: list[tuple[float, Animations | None]]
+    _changes: Changes
 
     @property
     def _rig_parts(self) -> RigParts: ...
@@ -78,6 +80,7 @@ def set_transforms(
     before = _places_before(self, indices)
     self._engine.set_transforms(indices, np.ascontiguousarray(matrices), progress)
     self._moved.update(before)
+    self._changes.note()
 
 
 @checked
@@ -112,6 +115,7 @@ def at(
     self._engine.set_time(float(time_s), animations_of(self.scene, animation), progress)
     self._moved.update(before)
     self._last_at[:] = [(float(time_s), animation)]
+    self._changes.note()
     return self
 
 
@@ -168,6 +172,7 @@ def set_vertices(
     across = None if normals is None else _vectors(normals, "normals")
     positions = _vectors(positions_m, "positions_m")
     self._engine.set_vertices(which, positions, across, progress)
+    self._changes.note()
 
 
 @checked
