@@ -137,7 +137,7 @@ void render_still(const Renderer::State& s, std::span<const Mat4> world_from_hea
   static_assert(beside_rows == 1 + axis_moments);
   check_of_rays("beside_rays", call.beside_rays, poses * beside_rows * pose_size,
                 "pose x ommatidium x row x band");
-  std::ranges::fill(call.beside_rays, 0.0f);
+  std::fill(call.beside_rays.begin(), call.beside_rays.end(), 0.0f);
   const std::vector<Mat4> traced =
       traced_poses(world_from_head, s.eye_arrays, s.built().placement.origin_m);
   const Truth truth = checked_truth(call.truth, s.built(), poses, ommatidia);

@@ -7,6 +7,7 @@ import ast
 import fcntl
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import types
@@ -157,6 +158,24 @@ def test_the_package_calls_nothing_that_windows_lacks():
                 continue
             found |= {(file, name) for name in names if name in missing or name in POSIX_MODULES}
     assert found == ASKED
+
+
+# Of C++20 what the standard libraries lack that Omma is built with elsewhere: Emscripten 3.1.6,
+# which is libc++ 14, and GCC 12.
+LACKING = re.compile(r"\bstd::(ranges::|views::|format\b|jthread\b|source_location\b|expected\b)")
+
+
+def test_the_engine_uses_what_every_standard_library_has():
+    sources = Path(__file__).resolve().parents[2]
+    files = [file for folder in ("include", "src", "web") for file in (sources / folder).rglob("*")]
+    code = [file for file in files if file.suffix in (".h", ".cpp", ".cu")]
+    assert len(code) > 200
+    found = [
+        (file.relative_to(sources).as_posix(), match[0])
+        for file in code
+        for match in LACKING.finditer(file.read_text("utf-8"))
+    ]
+    assert not found
 
 
 # Loads all of the package where it is refused what Windows lacks. Others are not, which have a side
