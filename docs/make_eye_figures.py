@@ -43,7 +43,7 @@ def main() -> None:
         plot_eye_maps(
             HERE / f"eye-map-{projection}.png",
             bee,
-            ["smaller", "larger"],
+            ["interommatidial", "smaller"],
             projection=projection,
             title=title,
             measures=measures,

@@ -20,7 +20,7 @@ def main():
         plot_eye_maps(
             DOCS / f"species-{name}.png",
             animal.eye,
-            ["smaller", "larger", "facet", "acceptance"],
+            ["interommatidial", "smaller", "facet", "acceptance"],
             title=animal.latin,
         )
         print(f"wrote species-{name}.png: Δφ {angle.min():.2f} to {angle.max():.2f}°")

@@ -33,8 +33,9 @@ def animal_page(name: str, title: str, alt: str) -> str:
     table = omma.species.facts_text(name)
     return (
         f"# {title}\n\n{about}\n\n![{alt}](../species-{name}.png)\n\n"
-        f"*Above, the smaller and the larger angle between neighbours; below, facets and "
-        f"acceptance angles. Straight ahead is in the middle, the animal's right on the right.*\n\n"
+        f"*Above, the angle between neighbours in direction, and the smaller angle of facets that "
+        f"touch; below, facets and acceptance angles. Straight ahead is in the middle, the "
+        f"animal's right on the right.*\n\n"
         f"    omma eye species {name} -o {name}.csv\n\n"
         f"In Python: `omma.species.{name}().eye`. How eyes are made, and what *measured*, "
         f"*interpolated* and *assumed* mean: [species](../species.md).\n\n{table}\n\n"

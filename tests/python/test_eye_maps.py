@@ -115,8 +115,9 @@ def test_figure_says_what_it_shows(tmp_path, projection):
     plot_eye_maps([tmp_path / "a.svg", tmp_path / "a.png", tmp_path / "a.pdf"], eye,
                   projection=projection)  # fmt: skip
     said = svg_texts(tmp_path / "a.svg")
-    for words in ("smaller Δφ of the ellipse (°)", "larger Δφ of the ellipse (°)",
-                  "acceptance angle Δρ (°)", "Δρ/Δφ", "500 ommatidia",
+    for words in ("interommatidial angle Δφ (°)", "angle of touching facets, smaller (°)",
+                  "angle of touching facets, larger (°)", "acceptance angle Δρ (°)", "Δρ/Δφ",
+                  "500 ommatidia",
                   "hatched: no ommatidium looks there; grey: not known, at a rim for want of "
                   "neighbours"):  # fmt: skip
         assert words in said
@@ -249,6 +250,11 @@ def test_a_dragonflys_dorsal_band_is_its_finest_part():
     # Land (1997): 0.24° across the band; the eye's facts say it.
     assert np.nanpercentile(above, 5) == pytest.approx(0.24, abs=0.02)
     assert np.nanpercentile(below, 5) > 0.65
+    # The axes of its rows interleave: directions lie as in a lattice of √(0.24 · 1.15) = 0.53°.
+    spacing = eye_property(eye, measures, "interommatidial").values
+    above, below = (spacing[(elevation > a) & (elevation < b)] for a, b in ((30, 70), (-60, -20)))
+    assert np.nanpercentile(above, 5) == pytest.approx(0.53, rel=0.05)
+    assert np.nanpercentile(below, 5) > 0.7
 
 
 def cap(rows=12):
@@ -268,8 +274,8 @@ def test_the_rim_has_no_value_of_what_depends_on_neighbours():
     eye, rim = cap()
     measures = omma.eye.measure_eye(eye)
     assert (measures.surface_border == rim).all()
-    for name in ("interommatidial", "smaller", "larger", "horizontal", "vertical", "ratio",
-                 "spacing", "sampling"):  # fmt: skip
+    for name in ("interommatidial", "surface-angle", "smaller", "larger", "horizontal", "vertical",
+                 "ratio", "spacing", "sampling"):  # fmt: skip
         values = eye_property(eye, measures, name).values
         assert np.isnan(values[rim]).all()
         assert np.isfinite(values[~rim]).all()
@@ -315,7 +321,7 @@ def test_where_two_eyes_look_one_of_them_is_shown():
     assert ((the_map.ommatidium >= len(left)) == side)[both & shown].all()
 
 
-def test_angles_are_between_neighbours_on_the_surface():
+def test_neighbours_in_direction_and_on_the_surface_have_a_name_each():
     # The nearest axes are not the neighbours' on the surface.
     eye, middle = stretched_patch()
     measures = omma.eye.measure_eye(eye)
@@ -324,6 +330,13 @@ def test_angles_are_between_neighbours_on_the_surface():
     # Meridians close in by less than 1 % this near to the equator.
     assert measures.surface_angle_rad[middle] == pytest.approx(expected, rel=0.01)
     assert measures.interommatidial_rad[middle] < 0.9 * expected
+    for name, label, values in (
+        ("interommatidial", "interommatidial angle Δφ (°)", measures.interommatidial_rad),
+        ("surface-angle", "angle of touching facets, mean (°)", measures.surface_angle_rad),
+    ):
+        drawn = eye_property(eye, measures, name)
+        assert drawn.label == label
+        assert np.radians(drawn.values[middle]) == pytest.approx(values[middle])
     flat = omma.Eye(np.zeros((len(eye), 3)), eye.axis, 0.01)
     at_a_point = omma.eye.measure_eye(flat)
     assert (at_a_point.surface_angle_rad == at_a_point.interommatidial_rad).all()
@@ -334,7 +347,7 @@ def test_eyes_whose_angles_cannot_be_measured_are_drawn(tmp_path, axis):
     eye = omma.Eye(np.zeros((len(axis), 3)), axis, 0.1)
     plot_eye_maps(tmp_path / "a.svg", eye)
     said = svg_texts(tmp_path / "a.svg")
-    assert "smaller Δφ of the ellipse (°): not known" in said
+    assert "angle of touching facets, smaller (°): not known" in said
     assert "acceptance angle Δρ (°): 5.73 throughout" in said
     omma.picture.plot_poster(tmp_path / "p.svg", eye)
-    assert "larger Δφ of the ellipse (°): not known" in svg_texts(tmp_path / "p.svg")
+    assert "angle of touching facets, larger (°): not known" in svg_texts(tmp_path / "p.svg")

@@ -242,6 +242,31 @@ def test_planted_outliers():
     assert odd <= {moved, *near.tolist()}
 
 
+def test_a_stretched_surface_has_no_outliers_but_what_is_turned_on_it():
+    # On this ellipsoid the facets that touch are not those that look nearest.
+    lattice = omma.eye.lay_directions(
+        np.radians(4), field_of_view=omma.eye.window((-15, 160), (-80, 80)), seed=0
+    )
+    surface = omma.eye.surfaces.ellipsoid((0.4e-3, 1.2e-3, 0.5e-3))
+    eye = omma.eye.eye_on_surface(lattice.directions, surface)
+    whole = measure_eye(eye)
+    inner = np.flatnonzero(~whole.border & ~whole.surface_border)
+    assert np.median(whole.surface_angle_rad[inner] / whole.interommatidial_rad[inner]) > 1.2
+    assert not any("axis" in odd for odd in whole.outlier)
+
+    turned = np.random.default_rng(1).choice(inner, 20, replace=False)
+    axes = whole.axis.copy()
+    aside = np.cross(axes[turned], [0.3, 0.8, 0.5])
+    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+    angle = 4 * whole.interommatidial_rad[turned, None]
+    axes[turned] = np.cos(angle) * axes[turned] + np.sin(angle) * aside
+    found = measure_eye(eye.replace(axis=axes)).outlier
+    assert (found[turned] != "").all()
+    by_axis = np.flatnonzero(["axis" in odd for odd in found])
+    assert len(by_axis) > 10
+    assert set(by_axis) <= set(turned)
+
+
 def test_a_gap_in_spacing_is_an_outlier():
     directions = cap(80, 6000)
     angle = np.arccos(np.clip(directions @ [0, 0, -1], -1, 1))
@@ -350,7 +375,8 @@ def test_command(tmp_path, monkeypatch, run_omma):
     omma.save_eye("twice.eye", eye.take([*range(300), 7]))
     code, out, err = run_omma("eye", "info", "twice.eye", "-o", "t.csv", "--json", "s.json")
     assert (code, err) == (0, "")
-    for words in ("301", "interommatidial Δφ", "binocular    none", "blind        nowhere",
+    for words in ("301", "interommatidial Δφ", "touching facets, mean",
+                  "binocular    none", "blind        nowhere",
                   "duplicates   1: 300 (as 7)", "outliers     none", "cycles/°",
                   "wrote t.csv", "wrote s.json"):  # fmt: skip
         assert words in out
@@ -362,8 +388,10 @@ def test_command(tmp_path, monkeypatch, run_omma):
         rows = list(csv.DictReader(file))
     assert len(rows) == 301
     measured = measure_eye(omma.load_eye("twice.eye"))
-    written = [float(row["interommatidial_deg"]) for row in rows]
-    assert written == pytest.approx(np.degrees(measured.interommatidial_rad), rel=1e-6)
+    for column in ("interommatidial", "surface_angle"):
+        written = [float(row[f"{column}_deg"]) for row in rows]
+        expected = np.degrees(getattr(measured, f"{column}_rad"))
+        assert written == pytest.approx(expected, rel=1e-6)
     assert rows[3]["facet_diameter_um"] == ""  # not known
     code, out, _ = run_omma("eye", "info", "a.eye", "a.eye")
     assert code == 0

@@ -136,8 +136,9 @@ def test_poster_says_what_it_shows(tmp_path, head):
     said = svg_texts(tmp_path / "a.svg")
     for words in ("A fly", "from ahead; colours as in the first map", "right eye, from its right",
                   "right eye, from ahead, right and above", "facets", "−20 µm",
-                  "measured, somebody 1999", "smaller Δφ of the ellipse (°)",
-                  "larger Δφ of the ellipse (°)", "wavelength (nm)",
+                  "measured, somebody 1999", "interommatidial angle Δφ (°)",
+                  "angle of touching facets, smaller (°)",
+                  "angle of touching facets, larger (°)", "wavelength (nm)",
                   "green: 544 nm", "blue, blue-crossed: 436 nm", "ommatidia", "Facts it is made of",
                   "Sources: [somebody 1999] A paper", "optical sensitivity S",
                   "facet diameter D (µm): 20 throughout"):  # fmt: skip
@@ -166,7 +167,7 @@ def test_commands(tmp_path, monkeypatch, run_omma):
     for what in ("3d", "acceptance", "poster"):
         code, out, err = run_omma("eye", "plot", "a.eye", "--what", what, "-o", f"{what}.svg")
         assert (code, out, err) == (0, f"wrote {what}.svg\n", "")
-    assert "interommatidial angle Δφ, mean (°)" in svg_texts(tmp_path / "3d.svg")
+    assert "interommatidial angle Δφ (°)" in svg_texts(tmp_path / "3d.svg")
     code, _, err = run_omma(
         "eye", "plot", "a.eye", "--what", "acceptance", "--ommatidium", "3", "--ommatidium",
         "10,-20", "-o", "c.svg",

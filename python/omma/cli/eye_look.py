@@ -50,10 +50,10 @@ Make a figure of an eye: .pdf, .svg or .png.
 directions that the eye sees; **acceptance**, the angular sensitivity of chosen ommatidia and its
 modulation transfer; **poster**, all of it on an A3 page.
 
-Properties are interommatidial (the mean over the neighbours), smaller and larger (the half axes of
-the ellipse that they lie on), horizontal, vertical, acceptance, ratio, facet, spacing,
-eye-parameter, sampling, sensitivity, skew, skew-normal, neighbours, eye, and the names of the eye's
-own columns.
+Properties are interommatidial (the mean angle to the neighbours in direction), horizontal,
+vertical, surface-angle (the mean to those whose facets touch), smaller and larger (the half axes of
+the ellipse that their axes lie on), acceptance, ratio, facet, spacing, eye-parameter, sampling,
+sensitivity, skew, skew-normal, neighbours, eye, and the names of the eye's own columns.
 
 **Examples**
 

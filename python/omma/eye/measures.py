@@ -48,11 +48,14 @@ class EyeMeasures:
     neighbours, border: how many neighbours in direction, and whether at the border of the field.
     surface_border: whether at the border of the surface, where the ring of neighbours is open; as
         ``border`` where the positions form no surface.
-    interommatidial_rad: mean angle Δφ to the neighbours.
-    surface_angle_rad: the same to the neighbours on the surface, whose facets touch; where the
-        positions form none, to those in direction.
-    smaller_rad, larger_rad: the half axes of the ellipse that the neighbours on the surface lie on:
-        a regular hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
+    interommatidial_rad: Δφ, the mean angle to the neighbours in direction: how finely the eye
+        samples the world.
+    surface_angle_rad: the mean angle between the axes of an ommatidium and of its neighbours on the
+        surface, whose facets touch; where the positions form none, as ``interommatidial_rad``. On
+        a stretched surface others may look nearer: then it is larger than Δφ.
+    smaller_rad, larger_rad: the smaller and the larger surface angle, the half axes of the ellipse
+        that the axes of the neighbours on the surface lie on: a regular hexagonal lattice of 1 rad,
+        stretched by these two, has the same triangles.
     horizontal_rad, vertical_rad: Δφ in the head's horizontal and vertical direction: a regular
         hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
     acceptance_rad, ratio: acceptance angle Δρ, and Δρ/Δφ.
@@ -140,10 +143,10 @@ def measure_eye(eye: Eye) -> EyeMeasures:
 
     Outliers are found by a robust rule: for each ommatidium |ln(Δφ / median of the neighbours' Δφ)|
     ("spacing"), the angle between the axis and the mean axis of the neighbours on the surface over
-    Δφ ("axis"), the distance from the mean position of the neighbours in direction over the facet
-    spacing ("position"). One is an outlier where that is over 8 robust standard deviations (1.4826
-    times the median absolute deviation) above the eye's median, and over ln 2, 1.5 and 1.5, so that
-    a border or a smooth gradient is none.
+    the median of their surface angles ("axis"), the distance from the mean position of the
+    neighbours in direction over the facet spacing ("position"). One is an outlier where that is
+    over 8 robust standard deviations (1.4826 times the median absolute deviation) above the eye's
+    median, and over ln 2, 1.5 and 1.5, so that a border or a smooth gradient is none.
 
     Raises:
         omma.Error: an eye without ommatidia.
@@ -187,7 +190,9 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         skew_eye_rad=_angle_between(outward, axis),
         skew_normal_rad=_angle_between(surface_normals(position, surface), axis),
         sensitivity_m2_sr=_sensitivity(eye),
-        outlier=_outliers(position, axis, directions, surface, spacing, facet_spacing, eye_id),
+        outlier=_outliers(
+            position, axis, directions, surface, spacing, on_surface, facet_spacing, eye_id
+        ),
         duplicate_of=_duplicates(position, axis),
         axis=axis,
         lattice=directions,
@@ -268,13 +273,16 @@ def _outliers(
     directions: Neighbours,
     surface: Neighbours,
     spacing: Floats,
+    on_surface: Floats,
     facet_spacing: Floats,
     eye_id: NDArray[np.int32],
 ) -> NDArray[np.str_]:
     around = _median_over_neighbours(spacing, directions)
+    # On a stretched surface those beside an ommatidium look farther apart than the nearest axes do.
+    beside = _median_over_neighbours(on_surface, surface)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(np.log(spacing / around))
-        turned = _angle_between(surface.mean_over_neighbours(axis), axis) / around
+        turned = _angle_between(surface.mean_over_neighbours(axis), axis) / beside
         away = np.linalg.norm(position - directions.mean_over_neighbours(position), axis=1)
         apart = away / _median_over_neighbours(facet_spacing, surface)
     reasons = np.full(len(axis), "", dtype="<U24")

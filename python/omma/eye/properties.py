@@ -31,15 +31,16 @@ class EyeProperty:
 
 # What it is, its unit, and its values in that unit.
 _KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
-    "interommatidial": (
-        "interommatidial angle Δφ, mean",
+    "interommatidial": ("interommatidial angle Δφ", "°", lambda m: m.interommatidial_rad * _DEGREE),
+    "horizontal": ("horizontal Δφ", "°", lambda m: m.horizontal_rad * _DEGREE),
+    "vertical": ("vertical Δφ", "°", lambda m: m.vertical_rad * _DEGREE),
+    "surface-angle": (
+        "angle of touching facets, mean",
         "°",
         lambda m: m.surface_angle_rad * _DEGREE,
     ),
-    "smaller": ("smaller Δφ of the ellipse", "°", lambda m: m.smaller_rad * _DEGREE),
-    "larger": ("larger Δφ of the ellipse", "°", lambda m: m.larger_rad * _DEGREE),
-    "horizontal": ("horizontal Δφ", "°", lambda m: m.horizontal_rad * _DEGREE),
-    "vertical": ("vertical Δφ", "°", lambda m: m.vertical_rad * _DEGREE),
+    "smaller": ("angle of touching facets, smaller", "°", lambda m: m.smaller_rad * _DEGREE),
+    "larger": ("angle of touching facets, larger", "°", lambda m: m.larger_rad * _DEGREE),
     "acceptance": ("acceptance angle Δρ", "°", lambda m: m.acceptance_rad * _DEGREE),
     "ratio": ("Δρ/Δφ", "", lambda m: m.ratio),
     "facet": ("facet diameter D", "µm", lambda m: m.facet_diameter_m * 1e6),
@@ -59,11 +60,10 @@ _KNOWN: dict[str, tuple[str, str, Callable[[EyeMeasures], Floats]]] = {
 # Of neighbours on the surface, and of those in direction: at the rim, where the ring of neighbours
 # is open, these are numbers about the rest of the ring, not about the eye.
 _OF_NEIGHBOURS: dict[str, Callable[[EyeMeasures], Flags]] = {
+    **dict.fromkeys(("surface-angle", "smaller", "larger", "spacing"), lambda m: m.surface_border),
     **dict.fromkeys(
-        ("interommatidial", "smaller", "larger", "spacing"), lambda m: m.surface_border
-    ),
-    **dict.fromkeys(
-        ("horizontal", "vertical", "ratio", "eye-parameter", "sampling"), lambda m: m.border
+        ("interommatidial", "horizontal", "vertical", "ratio", "eye-parameter", "sampling"),
+        lambda m: m.border,
     ),
     "skew-normal": lambda m: m.surface_border,
 }

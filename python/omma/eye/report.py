@@ -19,10 +19,11 @@ _DEGREE = 180 / np.pi
 #: What spreads are told of, in this order: name, what it is, its unit.
 SPREADS: tuple[tuple[str, str, str], ...] = (
     ("interommatidial_deg", "interommatidial Δφ", "°"),
-    ("smaller_deg", "smaller Δφ", "°"),
-    ("larger_deg", "larger Δφ", "°"),
     ("horizontal_deg", "horizontal Δφ", "°"),
     ("vertical_deg", "vertical Δφ", "°"),
+    ("surface_angle_deg", "touching facets, mean", "°"),
+    ("smaller_deg", "touching facets, smaller", "°"),
+    ("larger_deg", "touching facets, larger", "°"),
     ("acceptance_deg", "acceptance Δρ", "°"),
     ("ratio", "Δρ/Δφ", ""),
     ("facet_diameter_um", "facet diameter D", "µm"),
@@ -51,6 +52,7 @@ def eye_table(eye: Eye, measures: EyeMeasures) -> dict[str, np.ndarray[Any, Any]
         "larger_deg": measures.larger_rad * _DEGREE,
         "horizontal_deg": measures.horizontal_rad * _DEGREE,
         "vertical_deg": measures.vertical_rad * _DEGREE,
+        "surface_angle_deg": measures.surface_angle_rad * _DEGREE,
         "acceptance_deg": measures.acceptance_rad * _DEGREE,
         "ratio": measures.ratio,
         "facet_diameter_um": measures.facet_diameter_m * 1e6,

@@ -145,9 +145,9 @@ def plot_eye_maps(
     """Write maps of an eye's properties to `.pdf`, `.svg` and `.png`: a panel each.
 
     Args:
-        properties: of `omma.eye.PROPERTIES`, or names of the eye's columns. Default: the smaller
-            and the larger Δφ, Δρ and Δρ/Δφ, and of facet diameter, eye parameter and sensitivity
-            those that are known.
+        properties: of `omma.eye.PROPERTIES`, or names of the eye's columns. Default: Δφ, the
+            smaller and the larger angle between the axes of facets that touch, Δρ, and of Δρ/Δφ,
+            facet diameter, eye parameter and sensitivity those that are known.
         projection: "mercator" (to 80° up and down), "mollweide" or "lambert" (both equal-area).
         measures: of `measure_eye`, where they have been taken.
 
@@ -160,7 +160,7 @@ def plot_eye_maps(
         expect_property(eye, name)
     measures = measures or measure_eye(eye)
     if properties is None:
-        always = ("smaller", "larger", "acceptance")
+        always = ("interommatidial", "smaller", "larger", "acceptance")
         shown = [eye_property(eye, measures, name) for name in always]
         more = ("ratio", "facet", "eye-parameter", "sensitivity")
         shown += [p for p in (eye_property(eye, measures, name) for name in more) if is_known(p)]

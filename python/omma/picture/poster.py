@@ -49,8 +49,8 @@ _LIGHTS = ((400, "#cc79a7"), (480, "#0072b2"), (570, "#009e73"), (700, "#d55e00"
 _SHAPE = 1.3  # of the panels with these views: width over height
 _WAVELENGTHS = np.arange(300.0, 701.0, 2.0)
 _SHOWN_SPREADS = (
-    "interommatidial_deg", "smaller_deg", "larger_deg", "horizontal_deg", "vertical_deg",
-    "acceptance_deg", "ratio",
+    "interommatidial_deg", "horizontal_deg", "vertical_deg",
+    "surface_angle_deg", "smaller_deg", "larger_deg", "acceptance_deg", "ratio",
     "facet_diameter_um", "eye_parameter_um_rad", "sensitivity_um2_sr", "skew_normal_deg",
 )  # fmt: skip
 
@@ -68,8 +68,9 @@ def plot_poster(
 ) -> None:
     """Write a poster of an eye, an A3 page (420 x 297 mm), to `.pdf`, `.svg` and `.png`.
 
-    The head from ahead, and its right eye from two sides; maps of the smaller and the larger Δφ and
-    of facet diameters (of Δρ where these are not known); histograms; angular sensitivities with
+    The head from ahead, and its right eye from two sides; maps of Δφ, of
+    facet diameters (of Δρ where these are not known), and of the smaller and the larger angle
+    between the axes of facets that touch; histograms; angular sensitivities with
     their modulation transfer; the receptors' spectral sensitivities where there are any; what
     `measure_eye` finds, and facts.
 
@@ -84,9 +85,11 @@ def plot_poster(
     """
     names = figure_names(paths)
     measures = measures or measure_eye(eye)
-    smaller, larger = (eye_property(eye, measures, name) for name in ("smaller", "larger"))
-    facet = eye_property(eye, measures, "facet")
-    third = facet if is_known(facet) else eye_property(eye, measures, "acceptance")
+    names_of_maps = ("interommatidial", "facet", "smaller", "larger")
+    shown = [eye_property(eye, measures, name) for name in names_of_maps]
+    spacing = shown[0]
+    if not is_known(shown[1]):
+        shown[1] = eye_property(eye, measures, "acceptance")
     the_map = make_map(measures, "mollweide", progress=progress)
     summary = eye_summary(eye, measures)
     with figure_style(8.0):
@@ -99,17 +102,17 @@ def plot_poster(
         plots, text = figure.subfigures(1, 2, width_ratios=(3.0, 1.15))
         upper, lower = plots.subfigures(2, 1, height_ratios=(2.1, 1))
         views, maps = upper.subfigures(1, 2, width_ratios=(0.8, 1.45))
-        right, of_right = _right_eye(eye, measures, smaller)
+        right, of_right = _right_eye(eye, measures, spacing)
         for k, (name, yaw, pitch, whole) in enumerate(_VIEWS):
             panel = views.add_subplot(3, 1, k + 1)
             alone = len(right) == len(eye)
             name = name.removeprefix("right eye, ") if alone else name
             panel.set_title(f"{name}; colours as in the first map" if k == 0 else name, loc="left")
             view = view_from(math.radians(yaw), math.radians(pitch))
-            seen = (eye, smaller) if whole else (right, of_right)
-            draw_view(panel, seen[0], view, seen[1], shape=_SHAPE, scale=smaller)
-        for k, prop in enumerate((smaller, larger, third)):
-            draw_map(maps, maps.add_subplot(3, 1, k + 1), the_map, prop)
+            seen = (eye, spacing) if whole else (right, of_right)
+            draw_view(panel, seen[0], view, seen[1], shape=_SHAPE, scale=spacing)
+        for k, prop in enumerate(shown):
+            draw_map(maps, maps.add_subplot(2, 2, k + 1), the_map, prop)
         maps.supxlabel(MAP_NOTE, fontsize="x-small")
         _lower(lower, eye, measures)
         _text(text.add_subplot(), _found(summary), facts)
@@ -174,7 +177,8 @@ def _lower(figure: Any, eye: Eye, measures: EyeMeasures) -> None:
 
 
 def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures) -> None:
-    shown = [eye_property(eye, measures, name) for name in ("smaller", "larger", "acceptance")]
+    angles = ("interommatidial", "smaller", "larger", "acceptance")
+    shown = [eye_property(eye, measures, name) for name in angles]
     shown = [prop for prop in shown if is_known(prop)]
     known = [prop.values[np.isfinite(prop.values)] for prop in shown]
     everything = np.concatenate(known)
