@@ -195,8 +195,11 @@ def test_commands_print_by_what_escapes():
 
 def test_notebooks_show_files_without_their_folders(files, scene, eye):
     world = omma.World(scene)
-    shown = [scene, eye, world, omma.Renderer(world, eye, omma.Fixed(2))]
-    for one in shown:
+    renderer = omma.Renderer(world, eye, omma.Fixed(2))
+    shown = [scene, eye, world, renderer, omma.Population(world, [eye, eye])]
+    for one in [*shown, renderer.ground_truth(np.eye(4))]:
         assert str(files) not in one._repr_html_()
+    assert str(files) not in repr(world)
+    assert "scene.gltf" in repr(world)
     assert "scene.gltf" in scene._repr_html_()
     assert "scene.gltf" in world._repr_html_()

@@ -81,6 +81,24 @@ def test_parts_give_the_same_eye(monkeypatch):
     assert fractions[:-1] == sorted(fractions[:-1])
 
 
+@pytest.mark.parametrize("window", [None, {"azimuth_deg": (-60, 60), "elevation_deg": (-60, 60)}])
+def test_laying_tells_of_all_of_its_steps(window):
+    """Also where the number is mended at the end, which takes as many steps as there were of the
+    full lattice, and where the first lattice takes several trials."""
+    seen = None if window is None else omma.eye.window(**window)
+    told = []
+    omma.eye.lay_directions(
+        0.1, field_of_view=seen, count=601, progress=lambda _, share: told.append(share)
+    )
+    shares = np.array([one for one in told if one is not None])
+    assert shares[-1] == 1
+    assert (np.diff(shares) >= 0).all()
+    if window is None:
+        # Twice 150 steps of all, told every 10, beside 400 of a quarter of them: the last 150 are
+        # from 5/8 on.
+        assert np.count_nonzero(shares >= 5 / 8) == 15 + 1
+
+
 def test_progress_is_a_function():
     with pytest.raises(TypeError, match="progress: expected a function"):
         omma.eye.generate_eye(100, progress=True)

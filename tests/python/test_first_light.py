@@ -12,6 +12,7 @@ import time
 import pytest
 from conftest import make_eye
 from lit_checks import BAND, matter, square
+from rich.progress import BarColumn
 
 import omma
 from omma.cli import working
@@ -73,6 +74,18 @@ def test_where_stderr_is_no_terminal_lines_say_how_far_it_is(monkeypatch):
     with DelayedBar() as bar:
         bar.show(BAKING, 0.5)
     assert stream.getvalue() == ""
+
+
+def test_where_no_share_is_known_none_is_told():
+    """After a stage whose share was known too."""
+    bar = DelayedBar()
+    bar.show(BAKING, 0.5)
+    bar.show("Preparing the page", None)
+    task, columns = bar._bar.tasks[0], bar._bar.columns
+    assert task.total is None
+    shown = [str(column(task)) for column in columns if not isinstance(column, BarColumn)]
+    assert "Preparing the page" in shown
+    assert not [one for one in shown if "%" in one or "left" in one]
 
 
 def test_a_command_that_bakes_says_so_and_what_is_kept(tmp_path):

@@ -116,7 +116,7 @@ def test_moonlight_is_weak_sunlight():
 @pytest.mark.parametrize("sky", [omma.light.clear_sky, omma.light.moonlit_sky])
 def test_azimuths_of_suns_are_named(sky):
     """Elevation comes first here and azimuth everywhere else, so (135, 30) must not pass for it."""
-    with pytest.raises(TypeError, match=f"{sky.__name__}: too many positional arguments"):
+    with pytest.raises(TypeError, match=f"{sky.__name__}: expected at most 1 .*_azimuth_deg"):
         sky(30, 60)
 
 

@@ -1,7 +1,8 @@
-"""Arguments that are missing: constructors say which in plain words, not by nanobind's own."""
+"""Arguments that are missing, or too many: calls say which in plain words."""
 
 import re
 
+import numpy as np
 import pytest
 from public_names import public_things
 
@@ -51,4 +52,34 @@ def test_constructors_without_arguments():
 def test_what_is_missing_is_named(make, says):
     with pytest.raises((omma.Error, TypeError)) as caught:
         make()
+    assert re.search(says, str(caught.value))
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (
+            lambda: omma.eye.set_acceptance(omma.eye.generate_eye(20), 0.03),
+            r"^set_acceptance: expected at most 1 positional argument \(eye\), found 2; "
+            r"by keyword: angle_rad, factor, ratio, ",
+        ),
+        (
+            lambda: omma.rendering.see_panorama(np.ones((2, 4, 3)), omma.Eye(ONE, ONE, 1), None, 3),
+            r"^see_panorama: expected at most 3 positional arguments \(picture, eye, "
+            r"world_from_head\), found 4; by keyword: layout$",
+        ),
+        (
+            lambda: omma.World(omma.Scene()).with_light(None, "path"),
+            r"^World\.with_light: expected at most 1 positional argument \(light\), found 2; by ",
+        ),
+        (
+            lambda: omma.eye.split_eye(omma.eye.generate_eye(20), 0, 0, 1),
+            r"^split_eye: expected at most 3 positional arguments \(eye, shift_m, overlap_m\), "
+            r"found 4$",
+        ),
+    ],
+)
+def test_of_too_many_the_names_are_told(call, says):
+    with pytest.raises(TypeError) as caught:
+        call()
     assert re.search(says, str(caught.value))

@@ -52,6 +52,20 @@ def test_pictures_that_are_no_whole_sphere_are_told(tmp_path, recwarn):
     assert not [one for one in recwarn if issubclass(one.category, UserWarning)]
 
 
+def test_alpha_of_arrays_is_told(tmp_path, recwarn):
+    """A file's alpha is left out; an array's would be a fourth band without a word."""
+    eye = omma.eye.generate_eye(20)
+    rgba = np.full((20, 40, 4), 128, np.uint8)
+    Image.fromarray(rgba).save(tmp_path / "rgba.png")
+    seen = see_panorama(tmp_path / "rgba.png", eye)
+    np.testing.assert_array_equal(seen, see_panorama(rgba[..., :3], eye))
+    see_panorama(np.ones((20, 40, 4), np.float32), eye)
+    see_panorama(np.full((20, 40, 5), 128, np.uint8), eye)
+    assert not [one for one in recwarn if issubclass(one.category, UserWarning)]
+    with pytest.warns(UserWarning, match=r"pictures: found four bands in 8 bits, as of RGBA"):
+        assert see_panorama(rgba, eye).shape == (20, 4)
+
+
 def eye_of(axes, acceptance=None, width_rad=WIDTH):
     axes = np.asarray(axes, float).reshape(-1, 3)
     if acceptance is not None:

@@ -203,11 +203,34 @@ def test_light_names_the_unit_and_the_bands(drawn):
 
 def test_labelled_arrays_know_their_unit(drawn):
     xarray = pytest.importorskip("xarray")
-    units = {"photons m-2 s-1 sr-1 nm-1": ", photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "1": ""}
+    lit = "photons m-2 s-1 sr-1 nm-1"
+    units = {lit: "band 0, photons m⁻² s⁻¹ sr⁻¹ nm⁻¹", "1": "red"}
     for unit, words in units.items():
         array = xarray.DataArray(np.full((50, 3), 0.5), attrs={"units": unit})
         label = drawn(make_eye(50), array, channels=[0]).axes[-1].get_xlabel()
-        assert label == "response: band 0" + words
+        assert label == f"response: {words}"
+
+
+@pytest.mark.parametrize(
+    ("bands", "called"),
+    [
+        (3, "green"),
+        (2, "band 1"),
+        (["red", "green", "blue"], "green"),
+        (["350 nm", "450.5 nm", "550 nm"], "band 1, 450.5 nm"),
+        (["band_0", "band_1", "band_2"], "band 1"),
+    ],
+)
+def test_bands_have_the_names_that_are_known(drawn, bands, called):
+    """Three bands of which nobody says more are RGB, as where all three are drawn."""
+    responses = np.full((50, bands if isinstance(bands, int) else len(bands)), 0.5)
+    if not isinstance(bands, int):
+        xarray = pytest.importorskip("xarray")
+        responses = xarray.DataArray(
+            responses, dims=("ommatidium", "band"), coords={"band": bands}, attrs={"units": "1"}
+        )
+    label = drawn(make_eye(50), responses, channels=[1]).axes[-1].get_xlabel()
+    assert label == f"response: {called}"
 
 
 def two_eyes(left=90, right=130):

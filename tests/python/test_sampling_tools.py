@@ -265,6 +265,20 @@ def test_alias_curve_is_the_closed_form(horizon):
     assert rms == pytest.approx([0.5, 0.125], rel=tolerance)
 
 
+def test_alias_curve_tells_shares_of_all_rays(horizon):
+    """Of 1 + 4 + 15: half of the rays, not of the numbers, is far within the last."""
+    eye = omma.Eye(np.zeros((2, 3)), [[0, 0, -1], [1, 0, 0]], np.radians([10, 20]))
+    told: dict[str, list[float]] = {}
+    omma.study.alias_curve(
+        horizon, eye, FORWARD, [1, 4, 15], repeats=8,
+        progress=lambda stage, share: told.setdefault(stage, []).append(share),
+    )  # fmt: skip
+    assert list(told) == ["1 rays", "4 rays", "15 rays"]
+    ends = [max(shares) for shares in told.values()]
+    assert ends == pytest.approx([1 / 20, 5 / 20, 1])
+    assert min(told["15 rays"]) < 1
+
+
 BOX = omma.study.Box((0, 0, 0), (1, 1, 1))
 
 

@@ -494,6 +494,21 @@ def test_worlds_and_renderers_show_a_table(examples):
     assert "40 ommatidia" in text
 
 
+def test_ground_truth_settings_and_populations_show_a_table(examples):
+    renderer = examples["Renderer"].with_eye(make_eye(40), omma.Fixed(2))
+    truth = renderer.ground_truth(np.eye(4), shares=[0])
+    truth = dataclasses.replace(truth, names=("<b> & c",))
+    population = omma.Population(renderer.world, [make_eye(20), make_eye(30)], omma.Fixed(2))
+    tables = [one._repr_html_() for one in (truth, renderer.settings, population)]
+    for text in tables:
+        ElementTree.fromstring(f"<all>{text}</all>")
+    assert "&lt;float32 (1, 40)&gt;" in tables[0]
+    assert "&lt;b&gt; &amp; c" in tables[0]
+    assert "standard_error" not in tables[0]
+    assert "low_discrepancy" in tables[1]
+    assert "50, 20 to 30 of each eye" in tables[2]
+
+
 def test_lights_and_animals_show_a_table():
     few = omma.light.Bands.equal(4)
     text = omma.light.clear_sky(30, sun_azimuth_deg=135, bands=few).turned(10)._repr_html_()

@@ -341,6 +341,25 @@ def _checks_of(
     return {name: known[name] for name in first}
 
 
+def _too_many(signature: inspect.Signature, arguments: Sequence[Any]) -> str:
+    """What a call with more positional arguments than there are is told; "" of other calls."""
+    parameters = signature.parameters.values()
+    if any(one.kind is Parameter.VAR_POSITIONAL for one in parameters):
+        return ""
+    by_place = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
+    placed = [one.name for one in parameters if one.kind in by_place]
+    more = len(arguments) - len(placed)
+    if more <= 0:
+        return ""
+    own = [name for name in placed if name != "self"]  # of a method, which Python gives itself
+    count = f"{len(own) or 'no'} positional argument{'' if len(own) == 1 else 's'}"
+    at_most = "at most " if own else ""
+    listed = f" ({', '.join(own)})" if own else ""
+    named = [one.name for one in parameters if one.kind is Parameter.KEYWORD_ONLY]
+    rest = f"; by keyword: {', '.join(named)}" if named else ""
+    return f"expected {at_most}{count}{listed}, found {len(own) + more}{rest}"
+
+
 def checked(function: F) -> F:
     """The same function, which says by name where an argument is to be an eye, a number, a function
     or another thing that its annotation tells, and is something else: a TypeError.
@@ -366,7 +385,8 @@ def checked(function: F) -> F:
             method = f"{function.__name__}_{unknown}"  # as render_stokes
             if unknown and arguments and hasattr(arguments[0], method):
                 hint = f"; did you mean the method {method}?"
-            raise TypeError(f"{function.__qualname__}: {error}{hint}") from None
+            said = _too_many(signature, arguments) or str(error)
+            raise TypeError(f"{function.__qualname__}: {said}{hint}") from None
         for name, kinds in known().items():
             if name in given and not any(fits(given[name]) for fits, _ in kinds):
                 value = given[name]

@@ -14,6 +14,8 @@ from omma.base.warn import warn_caller
 # Floats of 8-bit pictures are whole numbers up to 255; fewer levels without that very number, or
 # none above so much, may as well be radiances that somebody made up.
 _WHITE, _LEAST_WHITE, _LEAST_LEVELS = 255, 16, 8
+# Bands of red, green and blue with how far light is let through.
+_RGBA = 4
 # So many of a picture's numbers are looked at.
 _LOOKED_AT = 1 << 14
 
@@ -73,6 +75,18 @@ def warn_of_bytes(pixels: NDArray[Any], name: str) -> None:
         f"in 8 bits, in which {most:g} would be {meant:.4g}: give it as uint8, which is sRGB",
         UserWarning,
     )
+
+
+def warn_of_alpha(pixels: NDArray[Any], name: str) -> None:
+    """Tell the caller of the package of pixels in 8 bits that look like RGBA, where each band is
+    light."""
+    if pixels.dtype == np.uint8 and pixels.shape[-1] == _RGBA:
+        warn_caller(
+            f"{name}: found four bands in 8 bits, as of RGBA, and each of them counts as light, "
+            f"alpha too: give {name}[..., :3] for red, green and blue, or floats, which are "
+            "linear, for four bands",
+            UserWarning,
+        )
 
 
 def _first_wrong(pixels: NDArray[Any]) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 Progress = Callable[[float], object]
 """Called with the finished share, 0 to 1; what it raises ends the work."""
@@ -22,3 +22,10 @@ def share_of(progress: Progress | None, first: float, last: float) -> Progress |
         return None
     whole_work = progress
     return lambda done: whole_work(first + (last - first) * done)
+
+
+def ends_of_steps(work: Sequence[float]) -> list[float]:
+    """The finished share before each of several steps (K,) that take so much work, and after the
+    last: K + 1 numbers from 0 to 1."""
+    whole_work = sum(work)
+    return [sum(work[:k]) / whole_work for k in range(len(work))] + [1.0]

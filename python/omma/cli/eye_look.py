@@ -165,6 +165,7 @@ def plot(
             with as_named(name="species"):
                 animal = make(species)
         head = animal.eye if animal is not None else load_head(eye or [], unit)
+        bar.show("measuring and drawing", None)
         if what == "3d":
             with as_named(colour="property"):
                 draw_eye(

@@ -142,7 +142,7 @@ class DelayedBar:
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
-            TextColumn("{task.percentage:>3.0f} %"),
+            _Share(),
             _Times(),
             console=Console(stderr=True),
             transient=True,
@@ -159,6 +159,8 @@ class DelayedBar:
             # Else the time left would be that of the stage before, which is over.
             self._bar.reset(self._task)
             self._stage = stage
+        if fraction is None:  # of which ``update`` would leave the total as it was
+            self._bar.tasks[0].total = None
         self._bar.update(
             self._task,
             description=stage,
@@ -191,6 +193,11 @@ class DelayedBar:
         self._teller.join()
         if self._on_terminal:
             self._bar.stop()
+
+
+class _Share(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        return Text("" if task.total is None else f"{task.percentage:>3.0f} %")
 
 
 class _Times(ProgressColumn):

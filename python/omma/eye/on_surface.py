@@ -68,7 +68,7 @@ def eye_on_surface(
     positions = []
     # In pieces, so that progress is told and Ctrl-C heard.
     for start in range(0, len(axes), _PIECE):
-        tell("placing ommatidia", start / len(axes))
+        tell("placing lenses on the surface", start / len(axes))
         positions.append(surface.point_of_normal(normals[start : start + _PIECE]))
     _tell_of_astray(normals, surface.normals(np.concatenate(positions)))
     tell("measuring neighbours", None)

@@ -24,7 +24,7 @@ from omma._core import Error
 from omma.base.arguments import whole
 from omma.base.arrays import Flags, Floats
 from omma.base.directions import normalized
-from omma.base.progress import Progress, Stage
+from omma.base.progress import Progress, Stage, ends_of_steps
 from omma.eye.cells import NEIGHBOURS, Pairs, cells, nearest
 from omma.eye.nearest import Nearest
 
@@ -150,12 +150,15 @@ def grown(domain: Domain, count: int, random: np.random.Generator, tell: Progres
     """A lattice of ``count`` points (N, 3) on a closed surface; elsewhere about as many where they
     are wanted, and more around them."""
     doublings = max(0, math.floor(math.log(count / _COARSEST, 4)))
-    work = np.array([_COARSE_STEPS / 4**doublings, *(_STEPS * 4.0 ** -np.arange(doublings)[::-1])])
-    done = np.concatenate([[0], np.cumsum(work)]) / work.sum()
+    coarse = _COARSE_STEPS * (1 if domain.outside is None else _TRIALS) / 4**doublings
+    levels = [_STEPS / 4.0**further for further in reversed(range(doublings))]
+    # The last are after the number has been made the one that is wanted, as on closed surfaces.
+    last = [_STEPS] if domain.outside is None else []
+    done = ends_of_steps([coarse, *levels, *last])
 
     def stage(level: int) -> Progress:
         start, length = done[level], done[level + 1] - done[level]
-        return lambda fraction: tell(float(start + fraction * length))
+        return lambda fraction: tell(start + fraction * length)
 
     points = _coarse(domain, count, 2.0**doublings, random, stage(0))
     for level in range(1, doublings + 1):
@@ -167,7 +170,8 @@ def grown(domain: Domain, count: int, random: np.random.Generator, tell: Progres
     if len(points) < count or (domain.outside is None and len(points) > count):
         change = _thinned if len(points) > count else _filled
         points = change(domain, points, count)
-        points = _relaxed(domain, points, 1.0, _STEPS, 0.0, random, lambda fraction: None)
+        told = stage(doublings + 1) if last else lambda fraction: None
+        points = _relaxed(domain, points, 1.0, _STEPS, 0.0, random, told)
     tell(1.0)
     return points
 
@@ -192,10 +196,11 @@ def _coarse(
     number = max(2, round(total + 1.9 * math.sqrt(total)))
     target = _WIDENING ** -math.log2(scale)
     best: tuple[float, Floats] | None = None
-    for _ in range(_TRIALS):
+    for trial in range(_TRIALS):
+        told = _share_of_trial(tell, trial)
         number = min(number, int(within.sum()))
         seeds = bisected(domain.samples[within], fraction[within], number)
-        points = _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, tell)
+        points = _relaxed(domain, seeds, scale, _COARSE_STEPS, _COARSE_SHAKE, random, told)
         spacing = _spacing(domain, _refined(domain, points, scale / 2), scale / 2)
         error = abs(spacing / target - 1)
         if best is None or error < best[0]:
@@ -206,6 +211,10 @@ def _coarse(
         number = following
     assert best is not None
     return best[1]
+
+
+def _share_of_trial(tell: Progress, trial: int) -> Progress:
+    return lambda fraction: tell((trial + fraction) / _TRIALS)
 
 
 def _spacing(domain: Domain, points: Floats, scale: float) -> float:

@@ -83,11 +83,30 @@ def bands_shown(
         return Shown(array, ("",), quantity)
     if centers_nm is not None and len(centers_nm) != bands:
         raise Error(f"light: expected as many bands as {name}, {bands}, found {len(centers_nm)}")
-    called = components or [
-        f"band {each}" + (f", {centers_nm[each]:.0f} nm" if centers_nm is not None else "")
-        for each in range(bands)
-    ]
+    called = components or _bands_called(responses, bands, centers_nm)
     return Shown(array[..., chosen], tuple(called[each] for each in chosen), quantity)
+
+
+def _bands_called(responses: Any, bands: int, centers_nm: Sequence[float] | None) -> Sequence[str]:
+    """What bands are called: by the light's, by a labelled array's own names, and three of which
+    nobody says more are red, green and blue."""
+    if centers_nm is not None:
+        return [f"band {k}, {each:.0f} nm" for k, each in enumerate(centers_nm)]
+    named = getattr(responses, "coords", {}).get("band")
+    if named is not None and np.shape(named) == (bands,):
+        known = [str(each) for each in np.asarray(named)]
+        return [
+            f"band {k}, {each}" if each.endswith(" nm") else each.replace("_", " ")
+            for k, each in enumerate(known)
+        ]
+    if bands == _core.rgb_bands and _has_no_unit(responses):
+        return SHOWN_AS[3]
+    return [f"band {k}" for k in range(bands)]
+
+
+def _has_no_unit(responses: Any) -> bool:
+    """Whether nobody says that numbers have one, as those of a lit world do, which is never RGB."""
+    return getattr(responses, "attrs", {}).get("units", "1") == "1"
 
 
 def _no_channels(bands: int, name: str) -> str:

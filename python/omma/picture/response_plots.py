@@ -118,7 +118,8 @@ def plot_responses(
             more than three; else the legend says that they are a mean. Where an ommatidium has none
             of a kind, the nearest that has one is shown.
         channels: one to three bands by number, or receptors by name, in the order red, green, blue
-            (yellow, blue). Default: red, green and blue of RGB.
+            (yellow, blue). Default: red, green and blue of RGB, which three bands are where
+            neither ``light`` nor a labelled array says otherwise; ``quantity`` names others.
         light: what lit the world that was seen: names the bands and the unit in the legend. Arrays
             that `omma.rendering.load_responses` and `Renderer.dataset` give know their unit, and
             those of ground truth what they are.

@@ -18,7 +18,7 @@ from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
-from omma.base.pixels import check_radiance, warn_of_bytes
+from omma.base.pixels import check_radiance, warn_of_alpha, warn_of_bytes
 from omma.base.poses import as_pose
 from omma.base.slips import warn_of_shape
 from omma.base.srgb import linear_of_srgb
@@ -105,7 +105,9 @@ class PanoramaView:
 
         Args:
             pictures: (..., \\*layout.shape, B), linear radiance in any number of bands, floats; or
-                uint8, which is sRGB. Pixels that are NaN, not known, make NaN of all that see them.
+                uint8, which is sRGB. Every band is light, also the fourth of RGBA: give
+                ``pictures[..., :3]`` of such. Pixels that are NaN, not known, make NaN of all that
+                see them.
 
         Raises:
             omma.Error: a shape that is not the layout's, whole numbers of another kind, or pixels
@@ -113,7 +115,8 @@ class PanoramaView:
                 and U, ``weights @ pixels`` tells the same.
 
         Warns:
-            UserWarning: floats that look like a picture in 8 bits, with white at 255.
+            UserWarning: floats that look like a picture in 8 bits, with white at 255; uint8 in
+                four bands, which look like RGBA.
         """
         given = np.asarray(pictures)
         shape = self.layout.shape
@@ -126,6 +129,7 @@ class PanoramaView:
                 given, "pictures", "; PanoramaView.weights @ pixels takes differences, and Q and U"
             )
             warn_of_bytes(given, "pictures")
+        warn_of_alpha(given, "pictures")
         several, bands = given.shape[:bands_at], given.shape[-1]
         flat = given.reshape(-1, self._matrix.shape[1], bands)
         seen = np.empty((len(flat), self._matrix.shape[0], bands), np.float32)
@@ -163,7 +167,8 @@ def see_panorama(
 
     Args:
         picture: PNG, JPEG and WebP, which are sRGB, Radiance HDR or OpenEXR, linear; or an array as
-            `PanoramaView.see` takes it, with any number of bands.
+            `PanoramaView.see` takes it, with any number of bands. Of files, alpha is left out; of
+            an array of RGBA it would be a band of light.
         eye, world_from_head: as of `PanoramaView`.
         layout: None: equirectangular, as large as the picture, which is then twice as wide as high;
             the caller is warned of another shape.

@@ -12,6 +12,7 @@ from omma import _core
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import new_floats
+from omma.base.notebook import html_table, without_folder
 from omma.base.progress import Progress
 from omma.rendering.call import Frames, Responses, render_eyes
 from omma.rendering.population_receptors import Filled, receptors_of, views_of
@@ -22,6 +23,7 @@ from omma.rendering.settings import (
     Sampling,
     Settings,
     frame_number,
+    settings_as_record,
     takes_options,
 )
 from omma.scene.world import World
@@ -236,6 +238,16 @@ class Population:
             f"<omma.Population {len(self._sizes):,} eyes of {len(self.eye):,} ommatidia, "
             f"{self._settings.sampling}, {self._engine.backend}>"
         )
+
+    def _repr_html_(self) -> str:
+        sizes = np.sort(self._sizes)[[0, -1]]
+        rows = {
+            "world": without_folder(repr(self.world), self.world.scene.path),
+            "eyes": f"{len(self._sizes):,}",
+            "ommatidia": f"{len(self.eye):,}, {sizes[0]:,} to {sizes[1]:,} of each eye",
+        }
+        options = {name: str(one) for name, one in settings_as_record(self._settings).items()}
+        return html_table("omma.Population", rows | options)
 
 
 def _of_each(

@@ -19,6 +19,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error, RenderSettings
 from omma.base.arguments import expect, one_of, positive, whole
+from omma.base.notebook import html_table
 from omma.base.renamed import renamed_fields
 from omma.photoreceptors import ImpulseResponse
 
@@ -263,6 +264,10 @@ class Settings:
         if self.impulse_response is not None:
             found["impulse_response"] = self.impulse_response
         return cast(Options, found)
+
+    def _repr_html_(self) -> str:
+        rows = {name: str(value) for name, value in settings_as_record(self).items()}
+        return html_table("omma.rendering.Settings", rows)
 
     @property
     def is_noise_frozen(self) -> bool:

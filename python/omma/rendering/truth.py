@@ -17,7 +17,7 @@ from omma.base.arrays import Floats32
 from omma.base.poses import Matrices
 from omma.base.progress import Progress, share_of
 from omma.base.slips import warn_of_slip
-from omma.base.values import value_class
+from omma.base.values import table_of_fields, value_class
 from omma.rendering.call import Call, Poses, Prepared
 from omma.rendering.labels import Variables, camera_variables
 from omma.rendering.moves import Moves, MovesOptions, renderer_method
@@ -105,6 +105,9 @@ class GroundTruth:
         if components[0] is None or components[1] is None or components[2] is None:
             return None
         return components[0] + components[1] + components[2]
+
+    def _repr_html_(self) -> str:
+        return table_of_fields(self, "omma.rendering.GroundTruth")
 
 
 @checked

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.poses import as_pose
-from omma.base.progress import Stage
+from omma.base.progress import Stage, ends_of_steps
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
@@ -90,6 +90,7 @@ def measure_speed(
     rays = array_of(rays, "rays", (None,), np.int64).tolist()
     if not len(rays):
         raise Error("rays: expected at least one number")
+    samplings = [Fixed(count) for count in rays]
     tell: Stage = progress or (lambda stage, fraction: None)
     matrix = as_pose(pose, "pose")[None]
     batch = np.repeat(matrix, frames, axis=0)
@@ -108,15 +109,17 @@ def measure_speed(
     while (passed := time.perf_counter() - start) < warm_up_s:
         tell("Warming up", passed / warm_up_s)
         renderer.render(matrix)
+    done = ends_of_steps(rays)
     for index, count in enumerate(rays):
-        tell(f"{count} rays", index / len(rays))
-        renderer = renderer.with_eye(eye, Fixed(count))
+        renderer = renderer.with_eye(eye, samplings[index])
+        tell(f"{count} rays", done[index])
         for _ in range(2):
             renderer.render(matrix)
         start = time.perf_counter()
         for _ in range(frames):
             renderer.render(matrix)
         single.append(frames / (time.perf_counter() - start))
+        tell(f"{count} rays", (done[index] + done[index + 1]) / 2)
         start = time.perf_counter()
         renderer.render(batch)
         together.append(frames / (time.perf_counter() - start))

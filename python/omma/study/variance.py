@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -17,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import checked, positive, whole
 from omma.base.poses import as_pose, as_poses, numbers
-from omma.base.progress import Progress, Stage, share_of
+from omma.base.progress import Progress, Stage, ends_of_steps, share_of
 from omma.base.renamed import renamed_arguments, renamed_fields
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
-from omma.rendering.settings import AngularSensitivityName, Fixed, PointsName
+from omma.rendering.settings import MAX_SAMPLES, AngularSensitivityName, Fixed, PointsName
 
 Array = NDArray[np.float64]
 Measure = Literal["linear", "compoundray"]
@@ -296,10 +297,10 @@ def alias_curve(
         raise Error("eye: expected acceptance angles over 0, found one of 0")
     at = as_pose(pose, "pose")[None]
     base = scene_renderer(scene, threads)
+    done = ends_of_steps([whole(count, "rays", 1, MAX_SAMPLES) for count in rays])
     per_sr, plain = [], []
     for number, count in enumerate(rays):
-        if progress is not None:
-            progress(f"{count} rays", number / len(rays))
+        tell = None if progress is None else partial(progress, f"{count} rays")
         variance = response_variances(
             base,
             eye,
@@ -310,6 +311,7 @@ def alias_curve(
             measure=measure,
             seed=further_seed(seed, number),
             seeds=2,
+            progress=share_of(tell, done[number], done[number + 1]),
         )[0]
         per_sr.append(float((np.sqrt(variance) / angles).mean()))
         plain.append(float(np.sqrt(variance.mean())))
