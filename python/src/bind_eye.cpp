@@ -46,8 +46,9 @@ std::string repr(const Eye& eye) {
   const auto [low, high] = std::minmax_element(eye.eye_id.begin(), eye.eye_id.end());
   const int eyes = eye.size() == 0 ? 0 : *high - *low + 1;
   return "<omma.Eye " +
-         (eye.path.empty() ? "in memory" : "'" + readable_text(eye.path) + "'") + ": " +
-         std::to_string(eye.size()) + " ommatidia" +
+         (eye.path.empty() ? "in memory"
+                           : "'" + readable_text(without_folder(eye.path, eye.path)) + "'") +
+         ": " + std::to_string(eye.size()) + " ommatidia" +
          (eyes > 1 ? ", " + std::to_string(eyes) + " eyes" : "") + ">";
 }
 

@@ -84,8 +84,9 @@ const char* camera_word(CameraType type) {
 
 std::string scene_repr(const Scene& scene) {
   return "<omma.Scene " +
-         (scene.path.empty() ? "in memory" : "'" + readable_text(scene.path) + "'") + ": " +
-         std::to_string(triangle_count(scene)) + " triangles, " +
+         (scene.path.empty() ? "in memory"
+                             : "'" + readable_text(without_folder(scene.path, scene.path)) + "'") +
+         ": " + std::to_string(triangle_count(scene)) + " triangles, " +
          (scene.splats.empty() ? "" : std::to_string(splat_count(scene)) + " splats, ") +
          std::to_string(scene.cameras.size()) + " cameras>";
 }

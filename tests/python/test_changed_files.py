@@ -199,7 +199,7 @@ def test_notebooks_show_files_without_their_folders(files, scene, eye):
     shown = [scene, eye, world, renderer, omma.Population(world, [eye, eye])]
     for one in [*shown, renderer.ground_truth(np.eye(4))]:
         assert str(files) not in one._repr_html_()
-    assert str(files) not in repr(world)
+        assert str(files) not in repr(one)
     assert "scene.gltf" in repr(world)
     assert "scene.gltf" in scene._repr_html_()
     assert "scene.gltf" in world._repr_html_()

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from omma._core import Error
-from omma.base.notebook import html_table, without_folder
+from omma.base.notebook import html_table
 
 T = TypeVar("T")
 
@@ -47,8 +47,8 @@ def in_full(self: Any) -> str:
 
 def table_of_fields(self: Any, title: str) -> str:
     """What notebooks show of a value: a line for each field that is not None, arrays by their type
-    and shape, files by their names alone."""
-    rows = {name: _in_table(value) for name, value in _fields(self).items() if value is not None}
+    and shape."""
+    rows = {name: _short(value) for name, value in _fields(self).items() if value is not None}
     return html_table(title, rows)
 
 
@@ -140,11 +140,6 @@ def _whole(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return repr(value.tolist()) if value.size <= _NUMBERS else _short(value)
     return repr(value)
-
-
-def _in_table(value: Any) -> str:
-    path = getattr(value, "path", None)
-    return without_folder(repr(value), path) if isinstance(path, str) else _short(value)
 
 
 def _short(value: Any) -> str:

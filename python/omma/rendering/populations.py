@@ -12,7 +12,7 @@ from omma import _core
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import new_floats
-from omma.base.notebook import html_table, without_folder
+from omma.base.notebook import html_table
 from omma.base.progress import Progress
 from omma.rendering.call import Frames, Responses, render_eyes
 from omma.rendering.population_receptors import Filled, receptors_of, views_of
@@ -242,7 +242,7 @@ class Population:
     def _repr_html_(self) -> str:
         sizes = np.sort(self._sizes)[[0, -1]]
         rows = {
-            "world": without_folder(repr(self.world), self.world.scene.path),
+            "world": repr(self.world),
             "eyes": f"{len(self._sizes):,}",
             "ommatidia": f"{len(self.eye):,}, {sizes[0]:,} to {sizes[1]:,} of each eye",
         }

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Background, Error, Eye, Scene
 from omma.base.arguments import checked, expect, or_its_eye
-from omma.base.notebook import html_table, without_folder
+from omma.base.notebook import html_table
 from omma.base.progress import Progress
 from omma.base.renamed import renamed_arguments
 from omma.rendering.call import FrameCount
@@ -269,10 +269,7 @@ class Renderer:
         )
 
     def _repr_html_(self) -> str:
-        rows = {
-            "world": without_folder(repr(self.world), self.world.scene.path),
-            "eye": without_folder(repr(self.eye), self.eye.path),
-        }
+        rows = {"world": repr(self.world), "eye": repr(self.eye)}
         options = {name: str(value) for name, value in settings_as_record(self.settings).items()}
         return html_table("omma.Renderer", rows | options | {"threads": str(self.threads)})
 

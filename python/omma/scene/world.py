@@ -364,8 +364,7 @@ class World:
     def __repr__(self) -> str:
         count = len(self.instances)
         lit = {"unlit": "", "path": ", lit by paths", "baked": ", light baked"}[self.lighting]
-        scene = without_folder(repr(self._scene), self._scene.path)
-        return f"<omma.World of {scene}, {count:,} things{lit}, {self.backend}>"
+        return f"<omma.World of {self._scene!r}, {count:,} things{lit}, {self.backend}>"
 
     def _repr_html_(self) -> str:
         scene = self._scene
