@@ -106,7 +106,7 @@ def _bands_called(responses: Any, bands: int, centers_nm: Sequence[float] | None
 
 def _has_no_unit(responses: Any) -> bool:
     """Whether nobody says that numbers have one, as those of a lit world do, which is never RGB."""
-    return getattr(responses, "attrs", {}).get("units", "1") == "1"
+    return bool(getattr(responses, "attrs", {}).get("units", "1") == "1")
 
 
 def _no_channels(bands: int, name: str) -> str:
