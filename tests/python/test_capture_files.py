@@ -304,7 +304,7 @@ BAD = {
         changed_file("images.txt", lambda data: b"# none\n"),
         "expected photographs with poses, found none",
     ),
-    "text: no text": (changed_file("images.txt", lambda data: b"\xff\xfe"), "expected UTF-8 text"),
+    "text: no text": (changed_file("images.txt", lambda data: b"\xff\xfd"), "expected UTF-8 text"),
     "binary: count": (
         changed_file("images.bin", lambda data: struct.pack("<Q", 10**12) + data[8:]),
         r"images\.bin, byte 0: expected at most \d+ images in the .* found 1,000,000,000,000",

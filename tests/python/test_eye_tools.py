@@ -413,7 +413,11 @@ def test_wrong_old_files_are_errors(tmp_path, text, words):
 
 @pytest.mark.parametrize(
     ("data", "says"),
-    [(None, "there is no such file"), (b"\xff\xfe\x00", "line 1: expected UTF-8 text")],
+    [
+        (None, "there is no such file"),
+        (b"\xff\xfd\x00", "line 1: expected UTF-8 text"),
+        (b"\xff\xfe\x00", "line 1: expected UTF-16 text"),
+    ],
 )
 def test_old_files_that_are_no_files(tmp_path, data, says):
     path = tmp_path / "bad.eye"

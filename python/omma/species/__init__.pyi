@@ -14,9 +14,10 @@ from .animals import (
     with_catches,
 )
 from .assumed import assume_rhabdoms
-from .facts import Fact, Source, Species, facts, facts_text, sources
+from .facts import Fact, Source, facts, facts_text, sources
 from .growing import build
 from .measured import measured_drosophila
+from .species import Species
 
 __all__ = [
     "Fact",

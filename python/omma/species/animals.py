@@ -13,7 +13,8 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, one_of
 from omma.receptors.sensitivity import receptor_optical_sensitivity
 from omma.species.assumed import Assume, completed
-from omma.species.facts import LATIN, OTHERS, Species, facts
+from omma.species.facts import LATIN, OTHERS, facts
+from omma.species.species import Species
 from omma.species.stored import stored, stored_axes
 
 

@@ -14,7 +14,8 @@ import numpy as np
 from omma._core import Error, Eye, ReceptorType
 from omma.base.arguments import checked, one_of
 from omma.base.warn import warn_caller
-from omma.species.facts import LATIN, Fact, Species, facts, printed, time_of
+from omma.species.facts import LATIN, Fact, facts, printed, time_of
+from omma.species.species import Species
 from omma.species.stored import stored
 
 # Of which animals, the first that has a number first.

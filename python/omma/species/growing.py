@@ -11,10 +11,11 @@ from omma.eye.change import join_eyes, pair_of_eyes
 from omma.species.animals import known
 from omma.species.ants import build_cataglyphis, build_melophorus
 from omma.species.bees import build_bumblebee, build_honeybee_drone, build_honeybee_worker
-from omma.species.facts import LATIN, Species, facts
+from omma.species.facts import LATIN, facts
 from omma.species.fiddler import build_fiddler_crab
 from omma.species.flies import build_calliphora, build_drosophila
 from omma.species.hunters import build_dragonfly, build_holcocephala
+from omma.species.species import Species
 
 # A right eye, whose mirror image is the left one, or a left and a right eye.
 _BUILDERS: dict[str, Callable[[Stage | None], list[Eye]]] = {

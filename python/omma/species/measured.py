@@ -22,7 +22,8 @@ from omma.receptors.mosaic import COLUMN
 from omma.receptors.sensitivity import govardovskii
 from omma.species._receptors import receptor
 from omma.species._shape import on_ellipsoid
-from omma.species.facts import LATIN, Species, facts, number
+from omma.species.facts import LATIN, facts, number
+from omma.species.species import Species
 
 _NAME = "drosophila"
 # What ommatidia are, by their R7 and R8; of yellow ones in the dorsal third R7 has Rh3 besides.

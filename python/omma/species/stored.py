@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import io
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,11 @@ from numpy.typing import NDArray
 
 from omma._core import Acceptance, Error, Eye, ReceptorType
 from omma.base.files import PathLike, write_whole
-from omma.species.facts import LATIN, Species, facts
+from omma.species.facts import LATIN, facts
+from omma.species.species import Species
+from omma.species.stored_files import open_stored
 
 Arrays = dict[str, NDArray[Any]]
-
-_FOLDER = Path(__file__).parent / "data"
 
 # The numbers that an Acceptance and a ReceptorType are made of again.
 _OPTICS = (
@@ -48,14 +47,14 @@ _RECEPTOR = (
 
 def stored(name: str) -> Species:
     """The animal whose eyes are kept in the package."""
-    with _open(name) as z:
+    with open_stored(name) as z:
         return Species(name, LATIN[name], _eye(dict(z)), facts(name))
 
 
 @cache
 def stored_axes(name: str) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """Axes (N, 3) and eyes (N,) of the animal's ommatidia alone, in a tenth of the time."""
-    with _open(name) as z:
+    with open_stored(name) as z:
         axis = z["axis"]
         if z["mirrored"]:
             axis = np.concatenate([_mirrored(axis), axis])
@@ -64,7 +63,7 @@ def stored_axes(name: str) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
 
 def stored_numbers(name: str) -> str:
     """What `numbers_digest` was when the animal's eyes were made."""
-    with _open(name) as z:
+    with open_stored(name) as z:
         return str(z["numbers"])
 
 
@@ -82,10 +81,6 @@ def store(path: PathLike, head: Eye) -> None:
     compressed = io.BytesIO()
     np.savez_compressed(compressed, **_arrays(head))  # type: ignore[arg-type]
     write_whole(path, compressed.getvalue())
-
-
-def _open(name: str) -> Any:
-    return np.load(_FOLDER / f"{name}.npz")
 
 
 def _arrays(head: Eye) -> Arrays:
