@@ -87,6 +87,10 @@ def test_names_of_ground_are_those_of_things(world_of):
     world = world_of(FLOOR, ball)
     on_floor = place_on(world, (0, 0), height_m=HEIGHT_M, on="floor")
     assert (on_floor == place_on(world, (0, 0), height_m=HEIGHT_M, on=["floor"])).all()
+    assert (on_floor == place_on(world, (0, 0), height_m=HEIGHT_M, on=["floor", "floor"])).all()
+    for wrong in (3, [0], [None]):
+        with pytest.raises(TypeError, match=r"^on: expected names of instances, found"):
+            place_on(world, (0, 0), height_m=HEIGHT_M, on=wrong)
     heads = on_floor.copy()
     heads[:, 1, 3] = 3
     assert ground_at(world, heads, on="floor").height_m == pytest.approx(3)

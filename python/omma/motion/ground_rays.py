@@ -6,7 +6,7 @@ and what it met. Single-sided surfaces are met from their front only.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +20,7 @@ from omma.rendering.renderer import Renderer
 from omma.rendering.settings import Fixed
 from omma.rendering.truth import groups_of_shares
 from omma.scene.world import World
-from omma.scene.world_names import check_named
+from omma.scene.world_names import check_named, names_in
 
 # Most surfaces that a vertical line is followed through.
 LAYERS = 256
@@ -56,13 +56,15 @@ def ray_bundle(
 
 
 def names_of_ground(world: World, on: str | Sequence[str]) -> Sequence[str]:
-    """Names of what is ground, as callers say it: several or one; omma.Error where nothing is
-    called so."""
-    names = (on,) if isinstance(on, str) else on
-    for name in names:
-        if isinstance(name, str):
-            check_named(world, name, "on")
-    return names
+    """Names of what is ground, each once, as callers say it: several or one; omma.Error where
+    nothing is called so, TypeError of what are no names."""
+    asked = tuple(on) if isinstance(on, Iterable) and not isinstance(on, str) else (on,)
+    if not all(isinstance(name, str) for name in asked):
+        raise TypeError(f"on: expected names of instances, found {on!r:.40}")
+    names = names_in(world) if asked else []
+    for name in asked:
+        check_named(names, name, "on")
+    return tuple(dict.fromkeys(asked))
 
 
 def shoot(rays: Renderer, poses: Floats, on: Sequence[str] = ()) -> Met:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,8 @@ class _Things:
     Attributes:
         model: whose.
         geoms: (K,) of the model.
+        names: (K), what they are called.
+        can_move: (K,), whether the model does not weld them to its world.
         instances: (K,) of the world, the same things.
         moves: (K,), whether it can move, or has been somewhere else.
         world_from_geom: (K, 4, 4), where they are in the world.
@@ -39,6 +42,8 @@ class _Things:
 
     model: Any
     geoms: NDArray[np.int64]
+    names: list[str]
+    can_move: NDArray[np.bool_]
     instances: NDArray[np.int64]
     moves: NDArray[np.bool_]
     world_from_geom: NDArray[np.float64]
@@ -136,17 +141,15 @@ def moving_things(world: World, data: Any) -> tuple[list[str], Matrices]:
             "bends them, in a world that one environment has for itself"
         )
     now = transforms(data.geom_xpos[things.geoms], data.geom_xmat[things.geoms])
-    names = names_of(things.model, "geom", things.model.ngeom)
-    can_move = _can_move(things.model)[things.geoms]
     apart = np.abs(now - things.world_from_geom)
-    is_off = (apart > _ROUNDED * np.maximum(1, np.abs(now))).any(axis=(1, 2)) & ~can_move
+    is_off = (apart > _ROUNDED * np.maximum(1, np.abs(now))).any(axis=(1, 2)) & ~things.can_move
     if is_off.any():
-        name = names[things.geoms[np.argmax(is_off)]]
+        name = things.names[np.argmax(is_off)]
         raise Error(
             f"data: expected what the model welds to its world where it is in the world, found "
             f"geom {name!r} elsewhere"
         )
-    return [names[geom] for geom in things.geoms[can_move]], now[can_move]
+    return list(compress(things.names, things.can_move)), now[things.can_move]
 
 
 def _things_of(world: World, data: Any) -> _Things:
@@ -171,7 +174,7 @@ def _tell_sizes(things: _Things, model: Any) -> None:
     other = [k for k in changed if shapes[things.geoms[k]] != things.shapes[k]]
     if not other:
         return
-    name = names_of(model, "geom", model.ngeom)[things.geoms[other[0]]]
+    name = things.names[other[0]]
     warn_caller(
         f"data: the size of geom {name!r} has changed in the model, which the world does not "
         "follow; omma.mujoco.world_from_model makes another with it",
@@ -223,15 +226,19 @@ def _found(world: World, model: Any) -> _Things:
             "data: expected those of the model that the world was made of, found another's: none "
             f"of its geoms is called {without[0]!r}, as a thing of the world is"
         )
-    there_now = [mesh_of[names[geom]] for geom in geoms]
+    called = [names[geom] for geom in geoms]
+    there_now = [mesh_of[name] for name in called]
     kept = np.array(geoms, np.int64)
     sizes = np.array(model.geom_size)[kept]
     sizes[[shapes[geom] != one for geom, one in zip(geoms, there_now, strict=True)]] = np.nan
+    can_move = _can_move(model)[kept]
     return _Things(
         model,
         kept,
+        called,
+        can_move,
         np.array(found, np.int64),
-        _can_move(model)[kept],
+        can_move.copy(),
         np.array([instances[index].world_from_node for index in found]).reshape(-1, 4, 4),
         skins,
         sizes,

@@ -25,7 +25,7 @@ from omma.rendering.settings import Shared, ToError
 from omma.rendering.truth_origin import Origin
 from omma.scene.capture_cameras import CaptureCameras
 from omma.scene.world import World
-from omma.scene.world_names import check_named, names_in
+from omma.scene.world_names import check_named, index_of, names_in
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -322,7 +322,7 @@ def groups_of_shares(world: World, shares: Sequence[str | int]) -> tuple[tuple[s
     called = []
     for k, one in enumerate(shares):
         if isinstance(one, str):
-            check_named(world, one, f"shares[{k}]")
+            check_named(names, one, f"shares[{k}]")
             members = [index for index, name in enumerate(names) if name == one]
         else:
             members = [whole(one, f"shares[{k}]", 0, len(names) - 1)]
@@ -359,11 +359,10 @@ def _objects(
             f"{velocities!r:.40}"
         )
     count = len(world.instances)
-    for one in velocities:
-        if isinstance(one, str):
-            check_named(world, one, "velocities")
     things = [
-        world.index(one) if isinstance(one, str) else whole(one, "velocities", 0, count - 1)
+        index_of(world, one, "velocities")
+        if isinstance(one, str)
+        else whole(one, "velocities", 0, count - 1)
         for one in velocities
     ]
     if len(set(things)) < len(things):

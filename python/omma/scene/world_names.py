@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 
 from omma._core import Error
 from omma.scene.world import World
@@ -17,12 +18,20 @@ def names_in(world: World) -> list[str]:
     return names + [cloud.name for cloud in world.scene.splats]
 
 
-def check_named(world: World, name: str, argument: str) -> None:
-    """omma.Error where nothing in the world is called so, with what nearly is."""
-    names = list(dict.fromkeys(names_in(world)))
+def check_named(names: Sequence[str], name: str, argument: str) -> None:
+    """omma.Error where none of the names (`names_in`) is this one, with what nearly is."""
     if name in names:
         return
-    alike = difflib.get_close_matches(str(name), names, _MOST_NAMED, 0.0)
+    alike = difflib.get_close_matches(str(name), dict.fromkeys(names), _MOST_NAMED, 0.0)
     near = ", ".join(repr(one) for one in alike)
     there = f"nearest to it are {near}" if near else "the scene is empty"
     raise Error(f"{argument}: expected the name of a thing in the world, found {name!r}; {there}")
+
+
+def index_of(world: World, name: str, argument: str) -> int:
+    """`World.index`, of which an error names the argument where nothing is called so."""
+    try:
+        return world.index(name)
+    except Error:
+        check_named(names_in(world), name, argument)
+        raise
