@@ -77,7 +77,7 @@ def test_a_relaxed_eye_grown_anew_is_the_stored_one(name):
 def test_what_is_stored_is_read_back_to_the_bit(name, tmp_path, monkeypatch):
     """Waveguides and receptors beside the axis; turned microvilli; no receptors at all."""
     eye = omma.species.make(name).eye
-    monkeypatch.setattr("omma.species.stored._FOLDER", tmp_path)
+    monkeypatch.setattr("omma.species.stored_files._FOLDER", tmp_path)
     store(tmp_path / f"{name}.npz", eye)
     assert_same(omma.species.make(name).eye, eye)
 

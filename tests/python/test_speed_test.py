@@ -29,9 +29,8 @@ def test_speed_of_each_number_of_rays(found, eye):
     assert (result.threads, result.ommatidia, result.frames) == (2, len(eye), 3)
     assert "embree" in result.backend
     assert result.machine == machine_name() != ""
-    assert [stage for stage, _ in stages][-2:] == ["1 rays", "4 rays"]
     order = list(dict.fromkeys(stage for stage, _ in stages))
-    assert order[:2] == ["Building the acceleration structure", "Warming up"]
+    assert order == ["Building the acceleration structure", "Warming up", "1 rays", "4 rays"]
 
 
 def test_speed_files(found, tmp_path):
