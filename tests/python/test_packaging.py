@@ -27,6 +27,20 @@ def run(*command, cwd=ROOT):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
 
 
+def test_what_a_message_says_to_install_brings_what_is_missing():
+    """On every Python: a requirement with a condition would leave it missing where that fails."""
+    extras = PROJECT["project"]["optional-dependencies"]
+    told = set()
+    for path in (ROOT / "python/omma").rglob("*.py"):
+        told |= set(re.findall(r'needs\(\s*"([\w.]+)", "(\w+)"', path.read_text()))
+    assert len(told) > 10
+    for module, extra in told - {("PIL.Image", "view")}:  # Pillow comes with viser
+        package = module.split(".")[0].replace("_", "[-_]")
+        rows = [row for row in extras[extra] if re.match(rf"{package}\b", row)]
+        assert rows, (module, extra)
+        assert ";" not in rows[0], (module, extra)
+
+
 def test_the_version_is_one():
     said = run("scripts/version").stdout.strip()
     assert re.fullmatch(r"\d+\.\d+\.\d+", said)

@@ -3,6 +3,7 @@ numbers."""
 
 import base64
 import gzip
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -33,6 +34,11 @@ SEEN = """async (changes) => {
 def need_site():
     if not (SITE / "index.html").is_file():
         pytest.skip("build/web/site is not there: scripts/web makes it")
+
+
+def built_engines():
+    """The builds of the engine in the folder: threads, simd, plain, or some of them."""
+    return json.loads((SITE / "data" / "data.json").read_text())["engines"]
 
 
 class Served:

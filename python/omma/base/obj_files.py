@@ -194,5 +194,5 @@ def _joined(lists: list[list[int]]) -> Ints:
 
 
 def _tinyobjloader() -> ModuleType:
-    module: ModuleType = needs("tinyobjloader", "meshes", "OBJ files need tinyobjloader")
+    module: ModuleType = needs("tinyobjloader", "obj", "OBJ files need tinyobjloader")
     return module

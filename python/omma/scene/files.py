@@ -49,9 +49,10 @@ def load_scene(
     points of a `.las`, `.laz`, `.e57`, `.xyz`, `.pts` or `.asc` file, or of a `.ply` file without
     faces, or the Gaussian splats of a `.ply` or `.spz` file.
 
-    Meshes need trimesh (`pip install 'omma[meshes]'`); `omma.scene.from_trimesh` says what becomes
-    of colours and pictures. Points become discs as `omma.scene.load_points` and
-    `omma.scene.surfels` make them by default. Splats are those of `omma.scene.load_splats`.
+    Meshes need trimesh (`pip install 'omma[meshes]'`), OBJ files on Python 3.13 and newer
+    `omma[obj]` too; `omma.scene.from_trimesh` says what becomes of colours and pictures. Points
+    become discs as `omma.scene.load_points` and `omma.scene.surfels` make them by default. Splats
+    are those of `omma.scene.load_splats`.
 
     Other Python threads run meanwhile, and Ctrl-C stops the work within a second.
 
