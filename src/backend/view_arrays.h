@@ -25,6 +25,7 @@
 #include "physics/views/gather_task.h"
 #include "physics/views/light_view.h"
 #include "physics/views/scene_view.h"
+#include "physics/views/truth_view.h"
 
 namespace omma {
 

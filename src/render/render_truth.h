@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "omma/truth.h"
-#include "physics/views/frame_view.h"
+#include "physics/views/truth_view.h"
 #include "world/world_state.h"
 
 namespace omma {

@@ -11,6 +11,7 @@
 #include "physics/search/traverse.h"
 #include "physics/views/light_view.h"
 #include "physics/views/path_memory.h"
+#include "physics/views/truth_view.h"
 
 namespace omma {
 

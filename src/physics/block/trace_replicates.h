@@ -8,6 +8,7 @@
 #include "physics/block/truth_sums.h"
 #include "physics/path/path.h"
 #include "physics/rays/head_motion.h"
+#include "physics/views/truth_view.h"
 
 namespace omma {
 

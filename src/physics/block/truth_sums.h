@@ -5,6 +5,7 @@
 #include "physics/block/block_memory.h"
 #include "physics/lanes/vector3.h"
 #include "physics/rays/hits.h"
+#include "physics/views/truth_view.h"
 
 namespace omma {
 

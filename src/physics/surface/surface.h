@@ -7,6 +7,7 @@
 #pragma once
 
 #include "physics/surface/opacity.h"
+#include "physics/surface/power_22.h"
 #include "physics/surface/texture.h"
 
 namespace omma {
@@ -49,21 +50,6 @@ OMMA_HD Color<F> eval_texture_at(const SceneView& scene, const MeshView& mesh, i
   const F width =
       density != nullptr ? p.footprint_m * gather(density, p.triangle) : broadcast<F>(0.0f);
   return call_eval_texture(scene.textures[texture], uv.first, uv.second, width);
-}
-
-// t^2.2 for t in [0, 1], from the table: within 2e-8.
-template <typename F>
-OMMA_HD F eval_power_22(const float* table, F t) {
-  const F x = clamp_unit_lanes(t) * static_cast<float>(power_22_size - 1);
-  auto i = to_int(x);
-  i = i < power_22_size - 2 ? i : i * 0 + (power_22_size - 2);
-  const F below = gather(table, i);
-  return below + (gather(table, i + 1) - below) * (x - to_float(i));
-}
-
-template <typename F>
-OMMA_HD Color<F> eval_power_22(const float* table, const Color<F>& c) {
-  return {eval_power_22(table, c.r), eval_power_22(table, c.g), eval_power_22(table, c.b), c.a};
 }
 
 template <typename F, typename I>
