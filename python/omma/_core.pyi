@@ -102,8 +102,10 @@ class Background:
         at the top.
 
         A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:
-        linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float is
-        linear radiance. OpenEXR has channels R, G and B, or Y alone.
+        linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 or
+        4) or, of greys, (height, width): uint8 is sRGB, float is linear radiance. OpenEXR has
+        channels R, G and B, or Y alone. Between the middles of pixels it is interpolated, which
+        takes contrast from what is a few pixels wide.
 
         Raises `omma.Error` where the file or the array is not such an image.
         """
@@ -274,8 +276,9 @@ class Image:
     """
     A picture in memory, row 0 at the top.
 
-    Made from an array of shape (height, width, 3 or 4), where uint8 is sRGB and float linear,
-    or from the path of a PNG, JPEG, WebP, Radiance HDR or OpenEXR file. Alpha is linear always.
+    Made from an array of shape (height, width, 3 or 4) or, of greys, (height, width), where
+    uint8 is sRGB and float linear, or from the path of a PNG, JPEG, WebP, Radiance HDR or
+    OpenEXR file. Alpha is linear always.
 
     Raises `omma.Error` where the array or the file is not such an image.
     """

@@ -102,10 +102,14 @@ void bind_background(nb::module_& m) {
                   "Background"),
           "An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y\n"
           "at the top.\n\n"
-          "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:\n"
-          "linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 or 4): uint8 is sRGB, float "
-          "is\n"
-          "linear radiance. OpenEXR has channels R, G and B, or Y alone.\n\n"
+          "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file "
+          "(float:\n"
+          "linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 "
+          "or\n"
+          "4) or, of greys, (height, width): uint8 is sRGB, float is linear radiance. OpenEXR has\n"
+          "channels R, G and B, or Y alone. Between the middles of pixels it is interpolated, "
+          "which\n"
+          "takes contrast from what is a few pixels wide.\n\n"
           "Raises `omma.Error` where the file or the array is not such an image.")
       .def_prop_ro(
           "type", [](const Background& b) { return word_of(types, b.type); },

@@ -10,8 +10,9 @@ void bind_image(nb::module_& m) {
   nb::class_<Image> image(
       m, "Image",
       "A picture in memory, row 0 at the top.\n\n"
-      "Made from an array of shape (height, width, 3 or 4), where uint8 is sRGB and float linear,\n"
-      "or from the path of a PNG, JPEG, WebP, Radiance HDR or OpenEXR file. Alpha is linear always.\n\n"
+      "Made from an array of shape (height, width, 3 or 4) or, of greys, (height, width), where\n"
+      "uint8 is sRGB and float linear, or from the path of a PNG, JPEG, WebP, Radiance HDR or\n"
+      "OpenEXR file. Alpha is linear always.\n\n"
       "Raises `omma.Error` where the array or the file is not such an image.");
   image
       .def(

@@ -28,14 +28,14 @@ nb::object as_array(nb::handle object, const char* name, const char* expected) {
   }
 }
 
-// [height][width][3 or 4] to RGBA; `opaque` is the alpha of an image without one.
+// [height][width][1, 3 or 4] to RGBA; `opaque` is the alpha of an image without one.
 template <typename T, typename Array>
 std::vector<T> to_rgba(const Array& pixels, std::size_t components, T opaque) {
   const std::size_t count = pixels.shape(0) * pixels.shape(1);
   std::vector<T> rgba(count * 4, opaque);
   for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t c = 0; c < components; ++c)
-      rgba[4 * i + c] = static_cast<T>(pixels.data()[components * i + c]);
+    for (std::size_t c = 0; c < std::max(components, std::size_t{3}); ++c)
+      rgba[4 * i + c] = static_cast<T>(pixels.data()[components * i + (components == 1 ? 0 : c)]);
   return rgba;
 }
 
@@ -120,20 +120,25 @@ Image image_argument(nb::handle source, const char* name) {
     return image;
   }
   expect_given(source, name, "a path or pixels");
-  const nb::object array = as_array(source, name, "a path or pixels");
+  nb::object array = as_array(source, name, "a path or pixels");
   const auto kind = str_of(array.attr("dtype").attr("kind"));
   const bool bytes = str_of(array.attr("dtype")) == "uint8";
   const nb::tuple extents(array.attr("shape"));
   std::vector<std::int64_t> shape;
   for (nb::handle extent : extents) shape.push_back(nb::cast<std::int64_t>(extent));
-  const bool rgb = shape.size() == 3 && (shape[2] == 3 || shape[2] == 4);
+  const bool is_picture =
+      shape.size() == 2 || (shape.size() == 3 && (shape[2] == 1 || shape[2] == 3 || shape[2] == 4));
   const bool sized =
-      rgb && shape[0] > 0 && shape[1] > 0 && shape[0] <= 1 << 16 && shape[1] <= 1 << 16;
+      is_picture && shape[0] > 0 && shape[1] > 0 && shape[0] <= 1 << 16 && shape[1] <= 1 << 16;
   if (!sized || !(bytes || kind == "f"))
     throw Error(std::string(name) +
                 ": expected a path, or uint8 (sRGB) or float (linear) values of shape (height, "
-                "width, 3 or 4), found " +
+                "width, 3 or 4) or, of greys, (height, width), found " +
                 str_of(array.attr("dtype")) + " of shape " + str_of(array.attr("shape")));
+  if (shape.size() == 2) {
+    shape.push_back(1);
+    array = array.attr("reshape")(shape[0], shape[1], 1);
+  }
   image.name = name;
   image.height = static_cast<int>(shape[0]);
   image.width = static_cast<int>(shape[1]);

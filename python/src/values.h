@@ -31,7 +31,8 @@ std::string text_argument(nb::handle object, const char* name);
 Vec2 vec2_argument(nb::handle object, const char* name);
 nb::object index_or_none(int handle);
 
-// [height][width][3 or 4] uint8 (sRGB) or float (linear), or the path of an image file.
+// [height][width][3 or 4] or [height][width], uint8 (sRGB) or float (linear), or the path of an
+// image file.
 Image image_argument(nb::handle source, const char* name);
 // (H, W, 4) of an image that `owner` keeps alive.
 nb::object pixels_view(nb::handle owner, const Image& image);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "io/atomic_file.h"
 #include "omma/error.h"
@@ -28,10 +30,18 @@ constexpr Format formats[] = {{is_png, png_claim, decode_png},
                               {is_radiance_hdr, radiance_hdr_claim, decode_radiance_hdr},
                               {is_openexr, openexr_claim, decode_openexr}};
 
+// What is no format here, by the first bytes of its files.
+constexpr std::pair<std::string_view, std::string_view> other_formats[] = {
+    {"GIF8", "GIF"}, {"BM", "BMP"}, {{"II*\0", 4}, "TIFF"}, {{"MM\0*", 4}, "TIFF"}};
+
 const Format& format_of(EncodedImage bytes, const std::string& place) {
   for (const Format& format : formats)
     if (format.matches(bytes)) return format;
-  throw Error(place + ": is not an image: expected PNG, JPEG, WebP, Radiance HDR or OpenEXR");
+  const std::string expected = "expected PNG, JPEG, WebP, Radiance HDR or OpenEXR";
+  for (const auto& [start, name] : other_formats)
+    if (bytes.size() >= start.size() && std::equal(start.begin(), start.end(), bytes.begin()))
+      throw Error(place + ": is a " + std::string(name) + ", which is not read: " + expected);
+  throw Error(place + ": is not an image: " + expected);
 }
 
 // An image that is charged to no other budget than its own.

@@ -1,5 +1,6 @@
 // PNG in and out, by libpng. Read as glTF 2.0 (section 3.8.3) wants its images: gamma and profiles
-// are ignored; grey, palettes, few bits and transparent colours all become RGBA.
+// are ignored; grey, palettes, few bits and transparent colours all become RGBA. Of animations
+// there is no one picture, so they are refused.
 #include <png.h>
 
 #include <algorithm>
@@ -60,6 +61,7 @@ struct PngReader {
   png_infop info = nullptr;
   png_uint_32 width = 0, height = 0;
   int bits = 0, color_type = 0;
+  bool is_animated = false;
 
   explicit PngReader(EncodedImage bytes) : stream{bytes} {
     png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &stream, keep_problem, pass_over);
@@ -78,6 +80,14 @@ struct PngReader {
   }
 };
 
+// What animations have before their pixels: how many frames they are (PNG, 3rd edition, 11.3.6.1).
+constexpr png_byte animation_control[] = "acTL";
+
+bool has_frames(const png_unknown_chunk& chunk) {
+  return std::memcmp(chunk.name, animation_control, 4) == 0 && chunk.size >= 4 &&
+         png_get_uint_32(chunk.data) > 1;
+}
+
 // All up to the pixels. False where that fails; so with the functions below.
 bool read_header(PngReader& reader) {
   png_structp png = reader.png;
@@ -86,10 +96,14 @@ bool read_header(PngReader& reader) {
   // The caller judges the size; profiles, texts and times are not even unpacked.
   png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
   png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_ALWAYS, animation_control, 1);
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_read_info(png, reader.info);
   png_get_IHDR(png, reader.info, &reader.width, &reader.height, &reader.bits, &reader.color_type,
                nullptr, nullptr, nullptr);
+  png_unknown_chunkp chunks = nullptr;
+  const int count = png_get_unknown_chunks(png, reader.info, &chunks);
+  for (int i = 0; i < count; ++i) reader.is_animated |= has_frames(chunks[i]);
   return true;
 }
 
@@ -206,6 +220,8 @@ bool is_png(EncodedImage bytes) {
 ImageClaim png_claim(EncodedImage bytes, const std::string& place) {
   PngReader reader(bytes);
   if (!read_header(reader)) reader.fail(place);
+  if (reader.is_animated)
+    throw Error(place + ": the image is a PNG animation, expected one picture");
   const std::uint64_t pixel_bytes = reader.bits == 16 ? 4 * sizeof(float) : 4;
   // Deflate packs at most 1032 bytes into one, and a byte of a PNG holds at most 8 pixels.
   return {reader.width, reader.height, std::uint64_t{reader.width} * reader.height * pixel_bytes,

@@ -144,6 +144,24 @@ TEST(Image, ClaimsOfSizeDoNotAllocate) {
   expect_refused(0, 1, {"place", "does not decode"});
 }
 
+// As animations begin: how many frames, and how often they are played.
+std::string with_frames(const std::string& png, std::uint32_t frames) {
+  const std::string control = png_chunk("acTL", big_endian_u32(frames) + big_endian_u32(0));
+  return png.substr(0, 33) + control + png.substr(33);
+}
+
+TEST(Image, WhatIsNoOnePictureIsRefusedByName) {
+  const std::string one = png<std::uint8_t>(1, 1, 1, {7});
+  EXPECT_EQ(decode(with_frames(one, 1)).rgba_srgb8, decode(one).rgba_srgb8);
+  expect_error([&] { decode(with_frames(one, 3)); }, {"place", "PNG animation", "one picture"});
+  expect_error([] { decode("GIF89a and so on"); }, {"place", "a GIF", "expected PNG"});
+  expect_error([] { decode("BM and so on"); }, {"place", "a BMP", "expected PNG"});
+  const std::string counts("\0*", 2);
+  expect_error([&] { decode("MM" + counts); }, {"place", "a TIFF", "expected PNG"});
+  expect_error([] { decode(std::string("II*\0", 4)); }, {"place", "a TIFF", "expected PNG"});
+  expect_error([] { decode("BGIF8"); }, {"place", "is not an image"});
+}
+
 TEST(Image, EveryKind) {
   for (const EncodedKind& kind : images_of_every_kind()) {
     SCOPED_TRACE(kind.name);

@@ -436,7 +436,7 @@ WRONG = {
     "the normal of vertex 1 is zero": lambda: Mesh(
         *TRIANGLE, normals=[[0, 0, 1], [0, 0, 0], [0, 0, 1]]
     ),
-    "pixels: expected": lambda: Image(np.zeros((2, 2), np.uint8)),
+    "pixels: expected": lambda: Image(np.zeros((2, 2, 2), np.uint8)),
     "pixels: expected finite values": lambda: Image(np.full((2, 2, 3), np.nan)),
     "type: expected one of perspective": lambda: Camera(type="fisheye"),
     "extras: say that the camera is panoramic": lambda: Camera(extras={"panoramic": True}),
@@ -449,6 +449,16 @@ WRONG = {
         instances=[Instance(0, node=1), Instance(1, np.diag([2, 2, 2, 1]), node=1)],
     ),
 }
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_greys_have_no_axis_of_colours(dtype):
+    grey = (np.arange(6).reshape(2, 3) * 30).astype(dtype)
+    expected = Image(np.repeat(grey[..., None], 3, 2)).pixels
+    for given in (grey, grey[..., None], np.asfortranarray(grey)):
+        assert np.array_equal(Image(given).pixels, expected)
+        assert np.array_equal(omma.Background.image(given).pixels, expected)
+    assert omma.scene.plane((1, 1), grey).images[0].pixels.tolist() == expected.tolist()
 
 
 @pytest.mark.parametrize("message", WRONG)

@@ -95,17 +95,17 @@ def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | 
         check_picture(image.pixels, name)
         return white, image
     given = array_of(paint, name, dtype=None)
-    if given.ndim == 3:
+    if given.ndim in (2, 3):
         try:
             made = Image(given)
         except Error as error:
             raise Error(f"{name}: {error}") from None
-        check_picture(given, name)
+        check_picture(made.pixels, name)
         return white, made
     if given.shape not in ((3,), (4,)):
         raise Error(
             f"{name}: expected a colour (r, g, b), or a picture of shape (height, width, 3 or 4), "
-            f"found shape {given.shape}"
+            f"or (height, width) of greys, found shape {given.shape}"
         )
     color = [float(value) for value in given]
     if not (np.isfinite(color).all() and min(color) >= 0):
