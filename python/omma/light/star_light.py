@@ -1,4 +1,4 @@
-"""The brightest stars and the planets at a time and place, as discs so small that they are points."""
+"""The brightest stars and planets at a time and place, as discs so small that they are points."""
 
 from __future__ import annotations
 
