@@ -11,7 +11,7 @@ from omma.base.directions import azimuth_elevation_deg_of, direction
 from omma.light import clear_sky, natural_sky, night_sky
 from omma.light.nights import twilight_share
 from omma.light.sky_tables import TableSky
-from omma.light.star_light import air_mass, black_body_colour, temperature_k
+from omma.light.star_light import RADIUS_RAD, air_mass, black_body_colour, temperature_k
 
 FEW, TWO = omma.light.Bands.equal(4), omma.light.Bands.from_edges([440, 460, 540, 560])
 
@@ -105,8 +105,17 @@ def test_by_day_the_night_is_nothing():
         night_sky(bands=omma.light.Bands.equal(4, 250, 700))
 
 
+def nearest(light, azimuth_deg, elevation_deg):
+    """The disc that stands nearest to a place, and how far off it is, degrees."""
+    towards = direction(azimuth_deg, elevation_deg)
+    disc = max(light.discs, key=lambda one: float(one.direction @ towards))
+    off = np.linalg.norm(np.cross(disc.direction, towards))
+    return disc, float(np.degrees(np.arcsin(off)))
+
+
 class TestStars:
     pytest.importorskip("ephem")
+    # Jupiter stands above Berlin too.
     WINTER = datetime(2026, 1, 15, 22, tzinfo=timezone.utc)
     GREEN = omma.light.Bands.from_edges([549, 551])
 
@@ -115,16 +124,14 @@ class TestStars:
         assert all(one.direction[1] > 0 for one in starry.discs)
         # Sirius, of -1.44 magnitudes, is at a declination of -16.72 degrees (2000), and 20.8 high
         # in Berlin's south; Polaris, of 1.97, is within 0.75 degrees of the pole.
-        azimuth, elevation = azimuth_elevation_deg_of(starry.discs[0].direction)
+        azimuth, elevation = azimuth_elevation_deg_of(starry.discs[1].direction)
         assert elevation == pytest.approx(90 - 52.5 - 16.72, abs=0.2)
         assert abs(azimuth) > 170
-        pole = direction(0, 52.5)
-        nearest = max(float(one.direction @ pole) for one in starry.discs)
-        assert np.degrees(np.arccos(nearest)) < 0.75
+        assert nearest(starry, 0, 52.5)[1] < 0.75
 
     def test_how_bright_they_are(self):
         """Sirius: 3640 Jy times 10^(0.4 1.44), through the air that dims a sun as high."""
-        sirius = omma.light.stars(self.WINTER, 52.5, 13.4, bands=self.GREEN).discs[0]
+        sirius = omma.light.stars(self.WINTER, 52.5, 13.4, bands=self.GREEN).discs[1]
         above = 3640 * 10 ** (0.4 * 1.44) * 1.51e7 / 550
         elevation = float(azimuth_elevation_deg_of(sirius.direction)[1])
         air = TableSky(elevation, 0.1, 300.0).transmission(np.array([550.0]))
@@ -154,13 +161,13 @@ class TestStars:
             omma.light.stars(self.WINTER, latitude, 13.4, faintest_magnitude=5, bands=self.GREEN)
             for latitude in (90, -90)
         ]
-        assert sum(len(one.discs) for one in all_of_them) == 108
+        assert sum(len(one.discs) for one in all_of_them) == 108 + 5  # planets
         two = omma.light.Bands.equal(2)
         anew = all_of_them[0].in_bands(two)
         assert anew == omma.light.stars(self.WINTER, 90, 13.4, faintest_magnitude=5, bands=two)
         first = omma.light.stars(self.WINTER, 52.5, 13.4, faintest_magnitude=0.5, bands=self.GREEN)
-        # Sirius, Arcturus, Vega, Capella, Rigel, Procyon and Betelgeuse.
-        assert len(first.discs) == 7
+        # Jupiter, Sirius, Arcturus, Vega, Capella, Rigel, Procyon and Betelgeuse.
+        assert len(first.discs) == 8
         watts = omma.light.stars(self.WINTER, 52.5, 13.4, bands=self.GREEN, unit="watts")
         again = omma.light.photons_from_watts(watts.discs[0].radiance, [550.0])
         np.testing.assert_allclose(again, first.discs[0].radiance, rtol=1e-3)
@@ -183,6 +190,75 @@ class TestStars:
         whole = 2 * np.pi * np.trapezoid(beam, theta)
         expected = star.irradiance() * np.exp(-4 * np.log(2) * (away / width)[best] ** 2) / whole
         np.testing.assert_allclose(seen[0, best], expected, rtol=2e-3)
+
+
+class TestPlanets:
+    """Beside what PyEphem says when it is asked for each of them directly."""
+
+    ephem = pytest.importorskip("ephem")
+    PLACE = -24.6, 27.9
+    NAMES = ("Mercury", "Venus", "Mars", "Jupiter", "Saturn")
+    # All five together.
+    EVENING = datetime(2016, 8, 20, 17, tzinfo=timezone.utc)
+    NARROW = omma.light.Bands.from_edges([439.5, 440.5, 549.5, 550.5])
+
+    def asked(self, name, moment):
+        """The planet, its azimuth and elevation, degrees."""
+        observer = self.ephem.Observer()
+        observer.lat, observer.lon = (str(one) for one in self.PLACE)
+        observer.pressure, observer.date = 0, moment.strftime("%Y/%m/%d %H:%M:%S")
+        planet = getattr(self.ephem, name)(observer)
+        return planet, np.degrees(float(planet.az)), np.degrees(float(planet.alt))
+
+    def found(self, name, moment, **arguments):
+        _, azimuth, elevation = self.asked(name, moment)
+        return nearest(omma.light.stars(moment, *self.PLACE, **arguments), azimuth, elevation)
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_where_and_how_large_and_bright(self, name):
+        planet, _, elevation = self.asked(name, self.EVENING)
+        disc, off_deg = self.found(name, self.EVENING, bands=self.NARROW)
+        assert elevation > 0
+        assert off_deg < 1e-3
+        assert disc.angular_radius_rad == pytest.approx(max(RADIUS_RAD, float(planet.radius)))
+        # The magnitude of zero as for Sirius above, in the second of three bands.
+        above = 3640 * 10 ** (-0.4 * planet.mag) * 1.51e7 / 550
+        air = TableSky(90.0, 0.1, 300.0).transmission(np.array([550.0])) ** air_mass(elevation)
+        np.testing.assert_allclose(disc.irradiance()[2], above * air, rtol=2e-3)
+
+    @pytest.mark.parametrize(
+        ("name", "colour"), list(zip(NAMES, (0.93, 0.82, 1.36, 0.83, 1.04), strict=True))
+    )
+    def test_their_colours(self, name, colour):
+        """B - V of Allen's Astrophysical Quantities (recalled), which is another source than that
+        of the light: within 0.1."""
+        elevation = self.asked(name, self.EVENING)[2]
+        disc, _ = self.found(name, self.EVENING, bands=self.NARROW)
+        air = TableSky(90.0, 0.1, 300.0).transmission(np.array([440.0, 550.0]))
+        blue, visual = disc.irradiance()[[0, 2]] / air ** air_mass(elevation) * (440, 550)
+        assert -2.5 * np.log10(blue / 4260 / (visual / 3640)) == pytest.approx(colour, abs=0.1)
+
+    def test_the_night_of_the_dung_beetle(self):
+        """1 February 2025, 22:00 in Limpopo: Jupiter and Mars are up, Venus and Saturn have set."""
+        moment = datetime(2025, 2, 1, 20, tzinfo=timezone.utc)
+        starry = omma.light.stars(moment, *self.PLACE, bands=self.NARROW)
+        # Jupiter, of -2.4 magnitudes, comes before Sirius, of -1.4, Mars, of -1.0, before Canopus.
+        for name, at in (("Jupiter", 0), ("Mars", 2)):
+            disc, off_deg = nearest(starry, *self.asked(name, moment)[1:])
+            assert off_deg < 1e-3
+            assert disc == starry.discs[at]
+        for name in ("Venus", "Saturn", "Mercury"):
+            assert self.asked(name, moment)[2] < 0
+            assert self.found(name, moment, bands=self.NARROW)[1] > 1
+        bright = omma.light.stars(moment, *self.PLACE, faintest_magnitude=-2, bands=self.NARROW)
+        assert bright.discs == starry.discs[:1]
+
+    def test_faint_ones_are_left_out(self):
+        """Saturn, of 0.4 magnitudes that evening."""
+        assert self.asked("Saturn", self.EVENING)[0].mag == pytest.approx(0.4, abs=0.1)
+        for faintest, there in ((0.6, True), (0.2, False)):
+            few = {"faintest_magnitude": faintest, "bands": self.NARROW}
+            assert (self.found("Saturn", self.EVENING, **few)[1] < 1e-3) is there
 
 
 class TestMoon:

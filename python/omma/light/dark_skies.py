@@ -116,7 +116,8 @@ def night_sky_at(
     unit: Unit = "photons",
 ) -> Light:
     """A clear sky without sun, moon and lamps at a time and place, where -Z is north: the Milky Way
-    and all other stars but those of `stars`, the zodiacal light, and the glow of the air.
+    and all other stars but those of `stars`, the zodiacal light, and the glow of the air. Planets
+    come with `stars` too.
 
     Stars fainter than 6.5 magnitudes and the dust that they light are Pioneer 10's map at 440 nm,
     on nodes 4 to 10 degrees apart (Toller 1981; Leinert et al., Astron. Astrophys. Suppl. Ser.

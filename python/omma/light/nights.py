@@ -90,8 +90,8 @@ def natural_sky_at(
     """A clear sky at any time and place, where -Z is north: `clear_sky` with the sun where
     `sun_position` says, going over into `night_sky_at` as in `natural_sky`, and `moonlit_sky` with
     the moon where `moon_position` says. A moon whose phase angle is beyond 150 degrees, so that 7 %
-    of it or less are lit, or more than 8 degrees below the horizon, is left out. Bright stars are
-    added by ``+ omma.light.stars(date_time, ...)``.
+    of it or less are lit, or more than 8 degrees below the horizon, is left out. Bright stars and
+    planets are added by ``+ omma.light.stars(date_time, ...)``.
 
     Args:
         date_time: with its time zone.

@@ -1,9 +1,11 @@
-"""The brightest stars at a time and place, as discs so small that they are points."""
+"""The brightest stars and planets at a time and place, as discs so small that they are points."""
 
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterator
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +29,8 @@ _BOLTZMANN_J_PER_K = 1.380649e-23
 _CLASSES = (5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65)
 _COLOURS = (-0.33, -0.30, -0.17, -0.02, 0.15, 0.30, 0.44, 0.58, 0.86, 1.00, 1.50, 1.56, 1.63)
 _BLUE_NM, _BLUE_0_JY = 440.0, 4260.0
+# B - V of those that eyes see (Mallama, Krobusek and Pavlov, Icarus 282:19, 2017, recalled).
+_PLANETS = {"Mercury": 0.97, "Venus": 0.81, "Mars": 1.43, "Jupiter": 0.87, "Saturn": 1.09}
 
 
 @checked
@@ -40,20 +44,23 @@ def stars(
     bands: Bands | None = None,
     unit: Unit = "photons",
 ) -> Light:
-    """The brightest stars, where -Z is north, without a sky: to be added to one.
+    """The brightest stars and the planets, where -Z is north, without a sky: to be added to one.
 
-    They are PyEphem's 108 of the Hipparcos catalogue, with all down to a visual magnitude of 1.6,
-    few beyond 2.5; `night_sky_at` has all others, blurred. Each is a disc of 4 seconds of arc, so
-    that ommatidia ask for it instead of finding it by chance; a hundred make a frame some five
-    times as long. Its light is that of a black body with the colour (B - V) of its spectral class,
-    as strong at 550 nm as its magnitude says, behind `clear_sky`'s air (air mass by Kasten and
-    Young, Applied Optics 28:4735, 1989); in the ultraviolet white stars are weaker than that.
+    Stars are PyEphem's 108 of the Hipparcos catalogue, with all down to a visual magnitude of 1.6,
+    few beyond 2.5; `night_sky_at` has all others, blurred. Planets are Mercury, Venus, Mars,
+    Jupiter and Saturn, without moons, rings and the shape of their phase. Each is a disc of 4
+    seconds of arc, a planet of its own size where that is more, so that ommatidia ask for it
+    instead of finding it by chance; a hundred make a frame some five times as long. Its light is
+    that of a black body with the colour (B - V) of its spectral class or of the planet (Mallama et
+    al., Icarus 282:19, 2017, recalled), as strong at 550 nm as its magnitude says, behind
+    `clear_sky`'s air (air mass by Kasten and Young, Applied Optics 28:4735, 1989); in the
+    ultraviolet white stars are weaker than that.
 
     Args:
         date_time: with its time zone.
         latitude_deg: -90 to 90, north is positive.
         longitude_deg: -180 to 180, east is positive.
-        faintest_magnitude: those that are fainter are left out; -2 to 5.
+        faintest_magnitude: stars and planets that are fainter are left out; -2 to 5.
         bands: by default 16 of 25 nm from 300 to 700 nm.
         unit: "photons" m⁻² s⁻¹ sr⁻¹ nm⁻¹ or "watts" m⁻² sr⁻¹ nm⁻¹.
 
@@ -65,8 +72,8 @@ def stars(
         >>> moment = datetime(2026, 1, 15, 22, tzinfo=timezone.utc)
         >>> few = omma.light.Bands.equal(4)
         >>> starry = omma.light.stars(moment, 52.5, 13.4, bands=few)
-        >>> len(starry.discs)
-        54
+        >>> len(starry.discs)    # 54 stars and Jupiter
+        55
         >>> night = omma.light.natural_sky_at(moment, 52.5, 13.4, bands=few) + starry
 
     Raises:
@@ -82,21 +89,20 @@ def stars(
     check_range(bands.wavelength_nm)
     observer = observer_at(moment, latitude_deg, longitude_deg)
     found = []
-    for name in _names():
-        star = load_ephem().star(name, observer)
-        if star.alt <= 0 or star.mag > faintest_magnitude:
+    for body, temperature in _bodies(observer):
+        if body.alt <= 0 or body.mag > faintest_magnitude:
             continue
-        elevation, azimuth = np.degrees(star.alt), np.degrees(star.az)
-        temperature = temperature_k(star._spect)
+        elevation, azimuth = np.degrees(body.alt), np.degrees(body.az)
+        radius = max(RADIUS_RAD, float(body.radius))
 
         def arriving(
-            nm: Floats, mag: float = star.mag, k: float = temperature, e: float = elevation
+            nm: Floats, mag: float = body.mag, k: float = temperature, e: float = elevation
         ) -> Floats:
             photons = star_photons(nm, mag, k) * np.exp(-air_mass(e) * air_depth(nm)[0])
             return photons if unit == "photons" else photons / (nm * PHOTONS_PER_JOULE_NM)
 
-        radiance = bands.mean(arriving) / (np.pi * np.sin(RADIUS_RAD) ** 2)
-        found.append((star.mag, Disc(direction(azimuth, elevation), RADIUS_RAD, radiance)))
+        radiance = bands.mean(arriving) / (np.pi * np.sin(radius) ** 2)
+        found.append((body.mag, Disc(direction(azimuth, elevation), radius, radiance)))
     found.sort(key=lambda one: one[0])
     return Light(bands, unit, discs=tuple(disc for _, disc in found))
 
@@ -108,11 +114,25 @@ def star_photons(nm: Floats, magnitude: float, temperature: float) -> Floats:
     return np.asarray(of_zero * 10 ** (-0.4 * magnitude) * shape)
 
 
-@functools.cache
+def _bodies(observer: Any) -> Iterator[tuple[Any, float]]:
+    """PyEphem's stars and planets, seen by an observer, each with the temperature of its colour."""
+    ephem = load_ephem()
+    for name in _names():
+        star = ephem.star(name, observer)
+        yield star, temperature_k(star._spect)
+    for name, colour in _PLANETS.items():
+        yield getattr(ephem, name)(observer), temperature_of_colour_k(colour)
+
+
 def temperature_k(spectral_class: str) -> float:
     """Of a black body with the colour of a class such as B8."""
     place = 10 * "OBAFGKM".index(spectral_class[0]) + int(spectral_class[1])
-    colour = np.interp(place, _CLASSES, _COLOURS)
+    return temperature_of_colour_k(float(np.interp(place, _CLASSES, _COLOURS)))
+
+
+@functools.cache
+def temperature_of_colour_k(colour: float) -> float:
+    """Of a black body with a B - V, magnitudes."""
     kelvin = np.geomspace(1e5, 2e3, 400)
     return float(np.interp(colour, [black_body_colour(one) for one in kelvin], kelvin))
 
