@@ -10,6 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
+from conftest import svg_texts
 from dataset_jobs import bytes_of, made_store, rendered, write_job
 
 import omma
@@ -312,6 +313,19 @@ def test_eyes_of_different_sizes_have_groups(tmp_path):
     with pytest.raises(omma.Error, match="eye: expected one of bug, fly"):
         datasets.open_views(store)
     assert len(datasets.open_views(store, ["response"], eye="fly")) == 3
+
+
+def test_a_contact_sheet_speaks_of_hatching_where_there_is_some(tmp_path):
+    half = tmp_path / "half"
+    half.mkdir()
+    job = write_job(half, count=2)
+    all_round = omma.load_eye(half / "bug.csv")
+    ahead = np.flatnonzero(all_round.axis[:, 2] < 0)
+    omma.save_eye(half / "bug.csv", all_round.take(ahead))
+    datasets.run(job)
+    datasets.contact_sheet(tmp_path / "sheet.svg", half / "job.zarr", 2)
+    said = svg_texts(tmp_path / "sheet.svg")
+    assert any("Hatched: no ommatidium looks there" in words for words in said)
 
 
 def test_a_contact_sheet_has_each_eye_in_a_border():

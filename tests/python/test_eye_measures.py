@@ -242,6 +242,25 @@ def test_planted_outliers():
     assert odd <= {moved, *near.tolist()}
 
 
+def test_a_wrong_axis_is_told_from_a_wrong_position():
+    rng = np.random.default_rng(3)
+    directions = cap(80, 2000)
+    spacing = np.sqrt(4 * np.pi / 2000)
+    inner = np.flatnonzero(directions[:, 2] < -np.cos(np.radians(50)))
+    for one in rng.choice(inner, 6, replace=False):
+        aside = np.cross(directions[one], rng.standard_normal(3))
+        wrong = directions.copy()
+        wrong[one] += rng.uniform(2, 6) * spacing * aside / np.linalg.norm(aside)
+        wrong[one] /= np.linalg.norm(wrong[one])
+        turned = measure_eye(omma.Eye(1e-3 * directions, wrong, 0.02)).outlier
+        moved = measure_eye(omma.Eye(1e-3 * wrong, directions, 0.02)).outlier
+        assert set(turned[one].split("+")) - {"spacing"} == {"axis"}
+        assert moved[one] == "position"
+        # Those around it, between which it seems to lie, are none.
+        assert np.flatnonzero(turned != "").tolist() == [one]
+        assert np.flatnonzero(moved != "").tolist() == [one]
+
+
 def test_a_stretched_surface_has_no_outliers_but_what_is_turned_on_it():
     # On this ellipsoid the facets that touch are not those that look nearest.
     lattice = omma.eye.lay_directions(

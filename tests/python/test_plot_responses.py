@@ -295,6 +295,18 @@ def crossed(kinds):
 RIM = [("along", 350, 6, 0), ("across", 350, 6, -90), ("uv", 350, 1, 0)]
 
 
+def test_who_has_more_receptors_than_a_picture_has_colours_is_told_how_to_choose(drawn):
+    kinds = [
+        omma.receptors.ReceptorType(f"R{k}", peak_wavelength_nm=350 + 50 * k) for k in range(4)
+    ]
+    eye = omma.receptors.assign_receptors(
+        make_eye(50), omma.receptors.OmmatidiumType("all", tuple(kinds))
+    )
+    with pytest.raises(omma.Error, match=r"channels=\['R0'\], found none.* R0, R1, R2, R3$"):
+        drawn(eye, np.ones(200), receptors=True)
+    assert drawn(eye, np.ones(200), receptors=True, channels=["R3", "R0"])
+
+
 def test_crossed_receptors_are_two_channels():
     eye = crossed([*RIM, ("green", 520, 2, 0)])
     responses = np.array([3.0, 1, 9, 5, 9, 6, 9])

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import re
 from functools import cache
 from pathlib import Path
 
@@ -228,6 +229,19 @@ def test_cataglyphis_dorsal_rim():
     assert np.ptp(turns) > math.pi - 0.1
     outside = eye.receptor_type[eye.first_receptor[np.flatnonzero(~rim)[0]]]
     assert types[outside].polarisation_sensitivity == 2.9
+
+
+def test_regions_are_those_that_the_page_names():
+    page = (Path(__file__).resolve().parents[2] / "docs" / "species.md").read_text()
+    told = next(line for line in page.split("\n") if line.startswith("**Regions**"))
+    for name in omma.species.names():
+        found = set(animal(name).eye.columns["region"])
+        if found == {"eye"}:
+            assert f"`{name}`" not in told
+            continue
+        before = told.split(f" in `{name}`")[0]
+        clause = before.split("`, are ")[-1].split("`, ")[-1]
+        assert set(re.findall('"([^"]+)"', clause)) == found, name
 
 
 def test_drosophila_is_as_scanned():

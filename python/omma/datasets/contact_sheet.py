@@ -31,8 +31,9 @@ _GAP = 14  # between those of two eyes
 _BORDER = 34  # grey level, as ink
 _MEANT = (
     "Azimuth −180° to 180° from left to right, straight ahead in the middle; elevation 90° to −90° "
-    "from the top down. Hatched: no ommatidium looks there."
+    "from the top down."
 )
+_HATCHED = " Hatched: no ommatidium looks there."
 _NAMED = ("scene", "condition", "pose_set", "pose")
 
 
@@ -90,7 +91,7 @@ def contact_sheet(
         )
         name = views.store.rstrip("/").rsplit("/", 1)[-1]
         figure.suptitle(f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {name}")
-        figure.supxlabel(_MEANT)
+        figure.supxlabel(_MEANT + (_HATCHED if _leaves_gaps(head) else ""))
         axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
         for one in axes:
             one.axis("off")
@@ -141,6 +142,12 @@ def _picture(eye: Eye, response: NDArray[np.float32], light: Light | None) -> ND
         light = uniform_sky(np.percentile(response, 98), bands=light.bands, unit=light.unit)
     shown = bands_to_rgb(response, light)
     return project(eye, np.ascontiguousarray(shown), width=_PIXELS)
+
+
+def _leaves_gaps(eye: Eye) -> bool:
+    """Whether there are directions on the sheet where no ommatidium looks."""
+    nothing = np.zeros((len(eye), 3), np.float32)
+    return bool(np.isnan(project(eye, nothing, width=_PIXELS, linear=True)).any())
 
 
 def _eye(views: Views) -> Eye:

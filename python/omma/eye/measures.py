@@ -14,23 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import checked
 from omma.base.arrays import Flags, Floats, Ints
-from omma.base.directions import angle_of_chord, normalized
+from omma.base.directions import normalized
 from omma.base.values import value_class
 from omma.eye.field import Field, field_of_view
-from omma.eye.neighbours import (
-    Neighbours,
-    direction_lattice,
-    eye_centre,
-    sides,
-    surface_lattice,
-    surface_normals,
-)
-from omma.eye.skew import angle_between
+from omma.eye.neighbours import Neighbours, eye_centre, sides, surface_normals
+from omma.eye.outliers import angle_or_nan, outliers, surroundings
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_optical_sensitivity
 
-# An ommatidium differs from its neighbours where it is this many robust standard deviations above
-# the median of its kind. Of a normal distribution one in 10^15 would be.
-_OUTLIER_SD = 8.0
 _SAME = 1e-6  # of the eye's extent, and radians: what counts as the same position and direction
 _WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
 
@@ -146,7 +136,9 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     the median of their surface angles ("axis"), the distance from the mean position of the
     neighbours in direction over the facet spacing ("position"). One is an outlier where that is
     over 8 robust standard deviations (1.4826 times the median absolute deviation) above the eye's
-    median, and over ln 2, 1.5 and 1.5, so that a border or a smooth gradient is none.
+    median, and over ln 2, 1.5 and 1.5, so that a border or a smooth gradient is none. Of an axis
+    and a position that do not go together, the one is told that is out of place among its kind.
+    Those beside a wrong axis or position are judged without it.
 
     Raises:
         omma.Error: an eye without ommatidia.
@@ -157,17 +149,14 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     axis = eye.axis.astype(np.float64)
     axis = normalized(axis)
     eye_id = sides(position, eye.eye_id)
-    directions = direction_lattice(axis, eye_id)
-    surface = surface_lattice(position, eye_id)
-    spacing = directions.mean_over_pairs(_pair_angles(axis, directions.pairs))
-    on_surface = surface.mean_over_pairs(_pair_angles(axis, surface.pairs))
-    facet_spacing = surface.mean_over_pairs(_pair_lengths(position, surface.pairs))
+    around = surroundings(position, axis, eye_id)
+    directions, surface = around.directions, around.surface
     across = _local_metric(axis, directions)
     ellipse = _local_ellipse(axis, surface)
     flat = np.isnan(ellipse[:, 0])
     if flat.any():
         ellipse[flat] = _local_ellipse(axis, directions)[flat]
-    has_surface = np.isfinite(on_surface)
+    has_surface = np.isfinite(around.on_surface)
     outward = np.empty_like(position)
     for which in np.unique(eye_id):
         members = eye_id == which
@@ -177,22 +166,20 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         neighbours=directions.count(),
         border=directions.border,
         surface_border=np.where(has_surface, surface.border, directions.border),
-        interommatidial_rad=spacing,
-        surface_angle_rad=np.where(has_surface, on_surface, spacing),
+        interommatidial_rad=around.spacing,
+        surface_angle_rad=np.where(has_surface, around.on_surface, around.spacing),
         smaller_rad=ellipse[:, 0],
         larger_rad=ellipse[:, 1],
         horizontal_rad=np.sqrt(across[:, 0]),
         vertical_rad=np.sqrt(across[:, 1]),
         acceptance_rad=eye.acceptance_angle_rad.astype(np.float64),
         facet_diameter_m=_known(eye.facet_diameter_m),
-        facet_spacing_m=facet_spacing,
-        skew_head_rad=_angle_between(position, axis),
-        skew_eye_rad=_angle_between(outward, axis),
-        skew_normal_rad=_angle_between(surface_normals(position, surface), axis),
+        facet_spacing_m=around.facet_spacing,
+        skew_head_rad=angle_or_nan(position, axis),
+        skew_eye_rad=angle_or_nan(outward, axis),
+        skew_normal_rad=angle_or_nan(surface_normals(position, surface), axis),
         sensitivity_m2_sr=_sensitivity(eye),
-        outlier=_outliers(
-            position, axis, directions, surface, spacing, on_surface, facet_spacing, eye_id
-        ),
+        outlier=outliers(position, axis, eye_id, around),
         duplicate_of=_duplicates(position, axis),
         axis=axis,
         lattice=directions,
@@ -208,20 +195,6 @@ def diffraction_limit_m_rad(wavelength_nm: float = _WAVELENGTH_NM) -> float:
 def _known(lengths: ArrayLike) -> Floats:
     values = np.asarray(lengths, dtype=np.float64)
     return np.where(values > 0, values, np.nan)
-
-
-def _pair_angles(directions: Floats, pairs: Ints) -> Floats:
-    return angle_of_chord(_pair_lengths(directions, pairs))
-
-
-def _pair_lengths(points: Floats, pairs: Ints) -> Floats:
-    return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
-
-
-def _angle_between(vectors: Floats, directions: Floats) -> Floats:
-    # NaN where a vector is zero: the lengths are metres, so that rounding leaves less than 1e-12.
-    length = np.linalg.norm(vectors, axis=1)
-    return np.where(length > 1e-12, angle_between(vectors, directions), np.nan)
 
 
 def _local_metric(axis: Floats, lattice: Neighbours) -> Floats:
@@ -265,54 +238,6 @@ def _sensitivity(eye: Eye) -> Floats:
     most = np.full(len(eye), np.nan)
     np.fmax.at(most, ommatidium_of_receptor(eye), receptor_optical_sensitivity(eye))
     return most
-
-
-def _outliers(
-    position: Floats,
-    axis: Floats,
-    directions: Neighbours,
-    surface: Neighbours,
-    spacing: Floats,
-    on_surface: Floats,
-    facet_spacing: Floats,
-    eye_id: NDArray[np.int32],
-) -> NDArray[np.str_]:
-    around = _median_over_neighbours(spacing, directions)
-    # On a stretched surface those beside an ommatidium look farther apart than the nearest axes do.
-    beside = _median_over_neighbours(on_surface, surface)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.abs(np.log(spacing / around))
-        turned = _angle_between(surface.mean_over_neighbours(axis), axis) / beside
-        away = np.linalg.norm(position - directions.mean_over_neighbours(position), axis=1)
-        apart = away / _median_over_neighbours(facet_spacing, surface)
-    reasons = np.full(len(axis), "", dtype="<U24")
-    for name, value, floor in (
-        ("spacing", ratio, np.log(2)),
-        ("axis", turned, 1.5),
-        ("position", apart, 1.5),
-    ):
-        for which in np.unique(eye_id):
-            members = np.flatnonzero((eye_id == which) & np.isfinite(value))
-            if len(members) < 8:
-                continue
-            middle = np.median(value[members])
-            sd = 1.4826 * np.median(np.abs(value[members] - middle))
-            for i in members[value[members] > max(middle + _OUTLIER_SD * sd, floor)]:
-                reasons[i] = f"{reasons[i]}+{name}" if reasons[i] else name
-    return reasons
-
-
-def _median_over_neighbours(values: Floats, lattice: Neighbours) -> Floats:
-    both = np.concatenate([lattice.pairs, lattice.pairs[:, ::-1]])
-    order = np.lexsort((values[both[:, 1]], both[:, 0]))
-    sorted_values = values[both[order, 1]]
-    count = np.bincount(both[:, 0], minlength=len(values))
-    start = np.concatenate([[0], np.cumsum(count)[:-1]])
-    some = count > 0
-    low, high = start + (count - 1) // 2, start + count // 2
-    median = np.full(len(values), np.nan)
-    median[some] = (sorted_values[low[some]] + sorted_values[high[some]]) / 2
-    return np.asarray(median[lattice.first])
 
 
 def _duplicates(position: Floats, axis: Floats) -> Ints:

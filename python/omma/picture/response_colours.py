@@ -178,8 +178,14 @@ def receptors_shown(
     if channels is None and len(kinds) > 3:
         kinds = _kinds(eye, crossed_apart=False)
     if len(kinds) > 3:
-        found = ", ".join(sorted({each.name for each in eye.receptor_types}))
-        raise Error(f"channels: expected one to three of the receptors {found}, found none")
+        found = list(
+            dict.fromkeys(eye.receptor_types[k].name for k in np.unique(eye.receptor_type))
+        )
+        raise Error(
+            f"channels: expected the names of one to three kinds of receptors to draw, as "
+            f"channels={found[:1]}, found none; a picture shows three at most, and this eye has "
+            f"{', '.join(found)}"
+        )
     values = np.stack([_of_kind(eye, array, types, like) for _, types, like in kinds], axis=2)
     return Shown(values, tuple(label for label, *_ in kinds))
 
