@@ -74,9 +74,10 @@ def render_file(
             the pose); `.mp4` a video with a frame for each pose, as many a second as the path's
             times have, 30 without times; the report's warnings say where times are uneven, which
             the mean rate is for, or rates are below 1 or above 240, where it is 30. Widths and
-            heights of videos are even, one pixel more where they were not. Of another camera: `.npy`, float32 (height, width, 3) as
-            `render_camera` gives it, and `.png`. Missing directories are made. What an earlier
-            render wrote beside an `.npy` file and this one does not is removed, with a warning.
+            heights of videos are even, one pixel more where they were not. Of another camera:
+            `.npy`, float32 (height, width, 3) as `render_camera` gives it, and `.png`. Missing
+            directories are made. What an earlier render wrote beside an `.npy` file and this one
+            does not is removed, with a warning.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
