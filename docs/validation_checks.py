@@ -167,7 +167,7 @@ def time() -> tuple[list[Line], Floats, Floats, Floats]:
     cycles, width_deg, contrast = 20, 4.0, 0.8
     azimuth = (np.arange(4096) + 0.5) / 4096 * 2 * np.pi
     stripes = np.repeat(1 + contrast * np.cos(cycles * azimuth), 3).reshape(1, -1, 3)
-    scene = omma.Scene(background=omma.Background.image(np.tile(stripes, (64, 1, 1)).astype("f4")))
+    scene = omma.Scene(background=omma.Background.image(np.tile(stripes, (8, 1, 1)).astype("f4")))
     eye = one_place(np.array([width_deg]))
     renderer = omma.Renderer(
         scene, eye, omma.Fixed(2048), footprints=False, impulse_response=LOW_PASS

@@ -44,11 +44,37 @@ def test_pictures_that_are_no_whole_sphere_are_told(tmp_path, recwarn):
     ):
         with pytest.warns(UserWarning, match="120 x 40 pixels are stretched over the whole sphere"):
             look()
-    omma.Background.image(strip)
     omma.rendering.see_panorama(strip[:8], eye)
     omma.rendering.see_panorama(np.ones((61, 120, 3), np.float32), eye)
     fisheye = omma.rendering.Fisheye(40, 120, field_deg=180)
     omma.rendering.see_panorama(tmp_path / "strip.png", eye, layout=fisheye)
+    assert not [one for one in recwarn if issubclass(one.category, UserWarning)]
+
+
+def test_backgrounds_that_are_no_whole_sphere_are_told(tmp_path, recwarn):
+    """Of an array where a world gets it, as it is read, a file where it is: once."""
+    strip = np.full((40, 120, 3), 128, np.uint8)
+    background = omma.Background.image(strip)
+    world = omma.World(omma.Scene())
+    for show in (
+        lambda: omma.World(omma.Scene(), background=background),
+        lambda: omma.World(omma.Scene(background=background)),
+        lambda: world.with_background(background),
+        lambda: omma.Renderer(omma.Scene(), omma.eye.generate_eye(20), background=background),
+    ):
+        with pytest.warns(UserWarning, match="background: ") as told:
+            show()
+        assert [str(one.message) for one in told] == [
+            "background: 120 x 40 pixels are stretched over the whole sphere, of which an "
+            "equirectangular picture is twice as wide as high"
+        ]
+        assert told[0].filename == __file__
+    Image.fromarray(strip).save(tmp_path / "strip.png")
+    with pytest.warns(UserWarning, match="120 x 40 pixels") as told:
+        world.with_background(omma.Background.image(tmp_path / "strip.png"))
+    assert len(told) == 1
+    world.with_background(omma.Background.image(strip[:8]))
+    world.with_background(omma.Background.image(np.ones((61, 120, 3), np.float32)))
     assert not [one for one in recwarn if issubclass(one.category, UserWarning)]
 
 
@@ -148,6 +174,30 @@ def test_the_same_as_many_rays():
     world = omma.World(nothing, background=omma.Background.image(picture.astype(np.float32)))
     rays = omma.Renderer(world, eye, omma.Fixed(4096), footprints=False).render(np.eye(4))[0]
     assert np.abs(see_panorama(picture, eye) - rays).max() < 2e-3
+
+
+@pytest.mark.parametrize("pixels", [4, 6, 10])
+def test_rays_see_backgrounds_smoothed_between_pixels(pixels):
+    """A bias, as docs/scenes.md has it: sinc² of pixels in a wavelength, sinc of flat ones."""
+    cycles = 180 // pixels
+    around = np.radians(np.arange(180) * 2 + 1)
+    stripes = np.tile(0.5 + 0.4 * np.cos(cycles * around), (90, 1))
+    picture = np.repeat(stripes[..., None], 3, axis=2).astype(np.float32)
+    azimuths = np.arange(16 * 180) / 8 + 1 / 16  # sixteen in each pixel
+    eye, nothing = eye_of(ahead(azimuths), width_rad=0.0), omma.Scene()
+
+    def kept(responses):
+        wave = np.exp(-1j * cycles * np.radians(azimuths))
+        return 2 * abs(np.mean(responses[:, 0] * wave)) / 0.4
+
+    def by_rays(shown):
+        world = omma.World(nothing, background=omma.Background.image(shown))
+        return kept(omma.Renderer(world, eye, omma.Fixed(1)).render(np.eye(4))[0])
+
+    flat, finer = np.sinc(1 / pixels), np.repeat(np.repeat(picture, 4, 0), 4, 1)
+    assert by_rays(picture) == pytest.approx(flat**2, abs=1e-3)
+    assert kept(see_panorama(picture, eye)) == pytest.approx(flat, abs=1e-3)
+    assert by_rays(finer) == pytest.approx(flat * np.sinc(1 / pixels / 4), abs=1e-3)
 
 
 def test_turning_the_head_is_turning_the_picture():

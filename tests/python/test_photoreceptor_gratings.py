@@ -19,7 +19,7 @@ def answer(cycles, frequency_hz, h):
     """
     azimuth = (np.arange(4096) + 0.5) / 4096 * 2 * np.pi
     stripes = np.repeat(1 + CONTRAST * np.cos(cycles * azimuth), 3).reshape(1, -1, 3)
-    drum = omma.Scene(background=omma.Background.image(np.tile(stripes, (64, 1, 1)).astype("f4")))
+    drum = omma.Scene(background=omma.Background.image(np.tile(stripes, (8, 1, 1)).astype("f4")))
     eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], np.radians(WIDTH_DEG))
     renderer = omma.Renderer(drum, eye, omma.Fixed(4096), footprints=False)
     rate_hz = FRAMES_A_PERIOD * frequency_hz

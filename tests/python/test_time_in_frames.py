@@ -21,7 +21,7 @@ def turning(angles):
 def drum(cycles):
     azimuth = (np.arange(4096) + 0.5) / 4096 * 2 * np.pi
     stripes = np.repeat(1 + CONTRAST * np.cos(cycles * azimuth), 3).reshape(1, -1, 3)
-    return omma.Scene(background=omma.Background.image(np.tile(stripes, (64, 1, 1)).astype("f4")))
+    return omma.Scene(background=omma.Background.image(np.tile(stripes, (8, 1, 1)).astype("f4")))
 
 
 def answer(cycles, frequency_hz, h):

@@ -1,5 +1,7 @@
 """Videos: a frame for each pose, whole or not at all."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -16,10 +18,12 @@ def frames_of(path):
     return about, [np.frombuffer(f, np.uint8).reshape(height, width, 3) for f in reader]
 
 
-def path_of(tmp_path, poses):
+def path_of(tmp_path, poses, times_s=None):
     file = tmp_path / "path.csv"
-    rows = "".join(f"0,1,0,{30 * k},0,0\n" for k in range(poses))
-    file.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + rows)
+    when = [""] * poses if times_s is None else [f"{time:.10g}," for time in times_s]
+    rows = "".join(f"{when[k]}0,1,0,{30 * k},0,0\n" for k in range(poses))
+    head = "x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+    file.write_text(head + rows if times_s is None else f"t_s,{head}{rows}")
     return file
 
 
@@ -44,6 +48,52 @@ def test_frames_are_the_pictures_of_the_poses(files, tmp_path, run_omma, monkeyp
         # Lossy: a frame is nearer to its own picture than a few grey levels.
         assert np.abs(frame[:height, :width].astype(int) - picture).mean() < 6
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "a.mp4", "a.npy", "path.csv"]
+
+
+@pytest.mark.parametrize(
+    ("times_s", "rate", "words"),
+    [
+        (None, 30, None),
+        (np.arange(7) * 0.1, 10, None),
+        (5 + np.arange(7) / 240, 240, None),
+        (np.round(np.arange(7) / 60, 3), 60, None),  # as tables have it
+        ([0, 0.1, 0.2, 0.3, 0.5, 0.55, 0.6], 10, "are not even: .* 10 frames a second, the mean"),
+        (np.arange(7) * 2.0, 30, "1 to 240 poses a second, found 0.5 .* 60 times too fast"),
+        (np.arange(7) / 600, 30, "1 to 240 poses a second, found 600 .* 20 times too slow"),
+    ],
+)
+def test_a_video_has_the_rate_of_the_path(files, tmp_path, times_s, rate, words):
+    given = {"eyes": files / "bug.eye", "path": path_of(tmp_path, 7, times_s), "width": 64}
+    outputs = [tmp_path / "a.mp4", tmp_path / "a.npy"]
+    report = omma.render_file(files / "scene.gltf", outputs, **given)
+    about, frames = frames_of(outputs[0])
+    assert about["fps"] == pytest.approx(rate, rel=2e-3)
+    assert len(frames) == 7
+    assert report.video == (*about["size"], pytest.approx(rate, rel=2e-3))
+    told = [one for one in report.warnings if one.startswith(f"{outputs[0]}: ")]
+    assert len(told) == (words is not None)
+    assert all(re.search(words, one) for one in told)
+    # Of numbers alone nothing has a rate; the same again has it.
+    assert omma.render_file(files / "scene.gltf", outputs[1], **given).video is None
+    again = omma.job.render_like(outputs[1], tmp_path / "again.mp4")
+    assert again.video[2] == report.video[2]
+
+
+def test_a_rate_that_one_pose_has_is_none():
+    assert video.frame_rate(np.array([4.0])) == (30, None)
+
+
+def test_the_command_says_how_large_a_video_is_and_how_long(files, tmp_path, run_omma, monkeypatch):
+    monkeypatch.chdir(files)
+    path = path_of(tmp_path, 7, np.arange(7) * 0.1)
+    code, out, err = run_omma(
+        *("render", "scene.gltf", "--eye", "bug.eye", "--path", path, "--width", 101),
+        *("--height", 51, "--projection", "mollweide", "-o", tmp_path / "odd.mp4"),
+    )
+    assert (code, err) == (0, "")
+    said = "video      102 x 52 pixels (even, as H.264 takes them), 10 frames a second, 0.7 s\n"
+    assert said in out
+    assert frames_of(tmp_path / "odd.mp4")[0]["size"] == (102, 52)
 
 
 def test_nothing_is_left_where_a_render_fails(files, tmp_path, monkeypatch):

@@ -59,15 +59,18 @@ _MEANT = {
 _LEAST_PIXELS, _MOST_OFF = 16, 0.02
 
 
-def warn_of_shape(shape: tuple[int, ...], name: str) -> None:
-    """Tell the caller of the package of a picture that is no whole sphere by its shape."""
+def warn_of_shape(shape: tuple[int, ...], name: str, hint: str = "") -> None:
+    """Tell the caller of the package of a picture that is no whole sphere by its shape.
+
+    Args:
+        hint: what else can be done with such a picture, put behind the message.
+    """
     height, width = shape[:2]
     if min(height, width) < _LEAST_PIXELS or abs(width / (2 * height) - 1) <= _MOST_OFF:
         return
     warn_caller(
         f"{name}: {width} x {height} pixels are stretched over the whole sphere, of which an "
-        "equirectangular picture is twice as wide as high; pad a part of one with what is not "
-        "known, and give see_panorama(layout=) an omma.rendering.Fisheye for a fisheye's",
+        f"equirectangular picture is twice as wide as high{hint}",
         UserWarning,
     )
 

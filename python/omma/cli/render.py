@@ -124,8 +124,9 @@ says so:
 --light 'clear_sky sun_elevation_deg=20 polarized=True' -o rim_receptors.csv`
 
 The path is a CSV file with a header, x,y,z,qx,qy,qz,qw or x,y,z,yaw_deg,pitch_deg,roll_deg; with
---on-ground x_m,z_m or x_m,z_m,heading_deg. Each may have times, t_s, which the files then say; the
-scene's animations move it by them. Without times it is rendered at rest.
+--on-ground x_m,z_m or x_m,z_m,heading_deg. Each may have times, t_s, which the files then say and
+videos have the rate of; the scene's animations move it by them. Without times it is rendered at
+rest, and videos show 30 poses a second.
 
 **omma render-again** renders again what an earlier render wrote; **omma render-cameras** renders
 every camera of a scene.

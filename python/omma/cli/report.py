@@ -71,9 +71,18 @@ def _report_lines(report: RenderReport) -> list[str]:
             f"after {report.build_seconds:.3f} s of preparation",
         ),
         ("backend", f"{report.backend}, {report.threads} threads"),
+        *([] if report.video is None else [("video", _video_text(report.video, report.poses))]),
         *(("wrote", name) for name in _shown(report.outputs)),
     ]
     return [f"{what:<10} {value}" for what, value in lines]
+
+
+def _video_text(video: tuple[int, int, float], poses: int) -> str:
+    width, height, rate = video
+    return (
+        f"{width} x {height} pixels (even, as H.264 takes them), {rate:.4g} frames a second, "
+        f"{poses / rate:.4g} s"
+    )
 
 
 def _shown(names: Sequence[str]) -> list[str]:

@@ -12,7 +12,7 @@ from omma._core import Error, Eye
 from omma.base.addresses import is_address, local_path
 from omma.base.files import PathLike, WholeFiles, check_ending, check_kept
 from omma.picture.files import Paint, PngWriter, series
-from omma.picture.video import VideoWriter
+from omma.picture.video import VideoWriter, frame_rate
 from omma.rendering.label_texts import beside, labels_from_text, labels_text
 from omma.rendering.labelled_files import NetcdfWriter, ZarrWriter
 from omma.rendering.labels import Labels
@@ -120,7 +120,9 @@ def writers_of(
             written += [picture.name(i) for i in range(shape[0])]
             continue
         elif suffix == ".mp4":
-            writers.append(closed.enter_context(VideoWriter(files, name, shape[0], make_paint())))
+            rate, _ = frame_rate(labels.times_s)
+            video = VideoWriter(files, name, shape[0], make_paint(), rate)
+            writers.append(closed.enter_context(video))
         elif suffix == ".zarr":
             writers.append(ZarrWriter(files, name, labels))
         elif suffix == ".nc":

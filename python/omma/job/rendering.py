@@ -36,6 +36,7 @@ from omma.job.resuming import KeptRender, inputs_of
 from omma.job.story import call_text, story_of
 from omma.picture.cameras import camera_projection
 from omma.picture.files import Paint, paint_of_projection, paint_side_by_side
+from omma.picture.video import VideoWriter, frame_rate
 from omma.rendering.labels import labels_of
 from omma.rendering.renderer import Renderer
 from omma.rendering.report import SpentRays
@@ -70,10 +71,13 @@ def render_file(
             `.npy` with a `.json` beside it, which say what the numbers are and are read by
             `omma.rendering.load_responses` (docs/datasets.md); `.csv` as `save_responses`
             writes it; `.png` a picture (of several poses: name_0000.png and on, by the number of
-            the pose); `.mp4` a video with a frame for each pose, 30 a second, whatever times a
-            path has. Of another camera: `.npy`, float32 (height, width, 3) as
-            `render_camera` gives it, and `.png`. Missing directories are made. What an earlier
-            render wrote beside an `.npy` file and this one does not is removed, with a warning.
+            the pose); `.mp4` a video with a frame for each pose, as many a second as the path's
+            times have, 30 without times; the report's warnings say where times are uneven, which
+            the mean rate is for, or rates are below 1 or above 240, where it is 30. Widths and
+            heights of videos are even, one pixel more where they were not. Of another camera:
+            `.npy`, float32 (height, width, 3) as `render_camera` gives it, and `.png`. Missing
+            directories are made. What an earlier render wrote beside an `.npy` file and this one
+            does not is removed, with a warning.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
@@ -165,6 +169,7 @@ def run_job(
     _tell_of_sharing(job, renderer, warnings)
     times_s = view.times_s if times_s is None else times_s
     moving = times_that_move(renderer.world, times_s, warnings)
+    _tell_of_rate(begun.names, times_s, warnings)
     built = time.perf_counter()
     for name in begun.names:
         make_parent(name)
@@ -245,6 +250,7 @@ def run_job(
         warnings=tuple(warnings),
         spent=spent,
         receptors=len(view.head.receptor_type) if job.receptors else 0,
+        video=next((one.told for one in writers if isinstance(one, VideoWriter)), None),
     )
 
 
@@ -270,6 +276,13 @@ def _tell_of_sharing(job: RenderJob, renderer: Renderer, warnings: list[str]) ->
                 f"sampling: {shared:,} of {ommatidia:,} ommatidia share rays; the others would "
                 "gain nothing and trace their own"
             )
+
+
+def _tell_of_rate(names: Sequence[str], times_s: Floats | None, warnings: list[str]) -> None:
+    _, off = frame_rate(times_s)
+    videos = [name for name in names if Path(name).suffix.lower() == ".mp4"]
+    if off is not None and videos:
+        warnings.append(f"{', '.join(videos)}: {off}")
 
 
 def _kept(begun: Begun, view: View, renderer: Renderer) -> KeptRender:

@@ -29,3 +29,4 @@ class RenderReport:
     picture: tuple[int, int] | None = None  # width and height of a camera's picture
     spent: SpentRays | None = None  # where rays were spent to reach an error
     receptors: int = 0  # where their responses were asked for
+    video: tuple[int, int, float] | None = None  # width, height and frames a second of a video

@@ -45,6 +45,11 @@ class Labels:
     """Of what is rendered: dimensions, dtype and attributes of response, standard_error, rays."""
     sizes: dict[str, int]  # of each dimension
 
+    @property
+    def times_s(self) -> NDArray[np.float64] | None:
+        """When each pose is (P,), where that is known."""
+        return self.coordinates["time"][1] if "time" in self.coordinates else None
+
     def shape(self, variable: str) -> tuple[int, ...]:
         """Of one of the variables."""
         return tuple(self.sizes[dimension] for dimension in self.variables[variable][0])

@@ -191,7 +191,12 @@ def see_panorama(
     if layout is None:
         if pixels.ndim != 3:
             raise Error(f"picture: expected shape (height, width, bands), found {pixels.shape}")
-        warn_of_shape(pixels.shape, "picture")
+        warn_of_shape(
+            pixels.shape,
+            "picture",
+            "; pad a part of one with NaN, which is not known, and give see_panorama(layout=) an "
+            "omma.rendering.Fisheye for a fisheye's",
+        )
         layout = Equirectangular(*pixels.shape[:2])
     return PanoramaView(eye, layout, world_from_head).see(pixels)
 

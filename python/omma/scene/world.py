@@ -103,8 +103,9 @@ class World:
 
     Warns:
         UserWarning: triangles are lit by probes, as cells have no room, or what was baked cannot be
-            kept; surfaces that emit vanish beside the rest of the light; or there is a card that is
-            left alone.
+            kept; surfaces that emit vanish beside the rest of the light; there is a card that is
+            left alone; or a background's picture is negative, looks like one in 8 bits, or is an
+            array that is not twice as wide as high.
     """
 
     @checked
@@ -155,7 +156,7 @@ class World:
         self._lighting = given
         if given is None:
             tell_without_light(scene)
-        warn_of_background(self.background.pixels)
+        warn_of_background(self.background)
         for number_of_image, image in enumerate(scene.images):
             if image.pixels.dtype.kind == "f":
                 check_radiance(image.pixels[..., :3], f"images[{number_of_image}]")
@@ -186,9 +187,13 @@ class World:
         self._places_when_baked = {k: instances[k].world_from_node for k in self._moved}
 
     def with_background(self, background: Background) -> World:
-        """The same world before another background: what moves in one moves in both."""
+        """The same world before another background: what moves in one moves in both.
+
+        Warns:
+            UserWarning: what `World` warns of a background's picture.
+        """
         expect(background, Background, "background", "omma.Background.constant gives one")
-        warn_of_background(background.pixels)
+        warn_of_background(background)
         other = object.__new__(World)
         vars(other).update(vars(self))
         other._background = background

@@ -18,7 +18,7 @@ from omma.stimuli.random_fields import random_field
 from omma.stimuli.shapes import grey, longitude_latitude_deg, sphere_patch
 from omma.stimuli.turning import Turning
 
-# Noise has within 1 % of so much contrast, as 0.6 % of it are below black.
+# Noise has within 2 % of so much contrast, as some 1 % of its pixels are below black.
 _MOST_CONTRAST = 0.4
 
 
@@ -31,12 +31,13 @@ class NoisePanorama(Turning):
 
     A Gaussian random field on the sphere: harmonics of degree l from 1 on have the variance C_l ~
     l^(-2 slope), down to wavelengths of four pixels. The picture is what is shown, interpolated
-    between its pixels; what would be darker than black, is black. More contrast than 0.4 cannot be
-    shown so and is refused: that of the picture would be more than 1 % below it.
+    between its pixels, and its contrast and mean are those of what is shown. What would be darker
+    than black, is black: of a contrast of 0.3 that takes up to 0.3 %, of 0.4 up to 2 %. More than
+    0.4 is refused, of which it would take more.
 
     Args:
         slope: 0 is white noise.
-        contrast: standard deviation over mean, 0 to 0.4.
+        contrast: standard deviation over mean of what is shown, 0 to 0.4.
         mean: radiance; 0 only without a contrast.
         pixel_deg: size of the picture's pixels at the horizon, 180 over a whole number.
         speed_deg_s: of its drift about the poles across its direction.
@@ -121,14 +122,35 @@ def _of_whole_rows(value: float, name: str) -> float:
 
 @lru_cache(maxsize=4)
 def _noise(slope: float, rows: int, seed: int) -> Floats:
-    """Noise of mean 0 and variance 1 over the sphere, (rows, 2 rows)."""
+    """Noise (rows, 2 rows) of mean 0 and variance 1 over the sphere as it is shown, interpolated
+    between the middles of pixels."""
     # A harmonic of degree l has wavelengths of 360 / l degrees, two rows a degree of l.
     degrees = np.arange(max(rows // 2, 1) + 1)
     power = np.where(degrees > 0, np.maximum(degrees, 1.0) ** (-2 * slope), 0.0)
     field = random_field(power, rows, 2 * rows, seed)
-    area = np.cos(np.pi * ((np.arange(rows) + 0.5) / rows - 0.5))[:, None] / (2 * rows)
-    area /= area.sum() * 2 * rows
-    field -= (area * field).sum()
-    field /= np.sqrt((area * field**2).sum())
+    mean, _ = _shown(field)
+    field -= mean
+    _, square = _shown(field)
+    field /= np.sqrt(square)
     field.flags.writeable = False
     return field
+
+
+def _shown(picture: Floats) -> tuple[float, float]:
+    """Means over the sphere of a picture and of its square, as it is shown: interpolated between
+    the middles of pixels, on which straight lines it is nearer to its mean."""
+    rows = len(picture)
+    # In each half of a row, from its middle to an edge, by Gauss and Legendre.
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    mean = square = whole = 0.0
+    for side in (-1, 1):
+        beside = picture[np.clip(np.arange(rows) + side, 0, rows - 1)]
+        for way, weight in zip((nodes + 1) / 4, weights, strict=True):
+            row = (1 - way) * picture + way * beside
+            area = weight * np.sin(np.pi * (np.arange(rows) + 0.5 + side * way) / rows)
+            # Along a row, of two neighbours a and b: of ((1 - x) a + x b)², a²/3 + ab/3 + b²/3.
+            squares = (2 * row**2 + row * np.roll(row, 1, axis=1)).mean(axis=1) / 3
+            mean += float(area @ row.mean(axis=1))
+            square += float(area @ squares)
+            whole += float(area.sum())
+    return mean / whole, square / whole
