@@ -14,10 +14,15 @@ from dataset_jobs import bytes_of, made_store, rendered, write_job
 
 import omma
 from omma import datasets
+from omma.base import processors
+from omma.datasets.records import check_worker
 
 running = importlib.import_module("omma.datasets.running")
 zarr = pytest.importorskip("zarr")
 xarray = pytest.importorskip("xarray")
+
+
+AVX2 = frozenset("sse4_2 popcnt avx avx2 fma f16c rdrand abm bmi1 bmi2".split())
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +43,7 @@ def test_a_store_opens_with_xarray_and_has_what_render_gives(made):
     assert {"scene", "condition", "pose_set", "pose"} <= set(data.response.coords)
     assert data.scene.attrs["flag_meanings"] == "ground"
     assert data.attrs["job"] == job.read_text()
-    assert set(data.attrs["inputs_sha256"]) == {"scene.gltf", "bug.csv"}
+    assert set(json.loads(data.attrs["inputs_sha256"])) == {"scene.gltf", "bug.csv"}
     assert {"omma_version", "backend", "machine", "created", "versions"} <= set(data.attrs)
 
 
@@ -143,13 +148,76 @@ def test_other_compression_than_at_the_start(tmp_path, part, key, words):
     datasets.run(job)
     path = tmp_path / "job.zarr" / "zarr.json"
     said = json.loads(path.read_text())
-    said["attributes"][part][key] = "another"
+    changed = json.loads(said["attributes"][part]) | {key: "another"}
+    said["attributes"][part] = json.dumps(changed)
     path.write_text(json.dumps(said))
     (tmp_path / "job.zarr" / "omma" / "done" / "00000001.json").unlink()
     before = bytes_of(tmp_path / "job.zarr")
     with pytest.raises(omma.Error, match=words):
         datasets.run(job)
     assert bytes_of(tmp_path / "job.zarr") == before
+
+
+def test_another_instruction_set_is_refused(tmp_path, monkeypatch):
+    """Embree's last bits differ between them: a store would be of two kinds."""
+    job, store = write_job(tmp_path), tmp_path / "job.zarr"
+    monkeypatch.setattr(processors, "processor_flags", lambda: AVX2)
+    datasets.run(job)
+    record = store / "omma" / "done" / "00000001.json"
+    assert xarray.open_zarr(store).attrs["instruction_set"] == "AVX2"
+    assert json.loads(record.read_text())["instruction_set"] == "AVX2"
+    assert any("on AVX2, begun" in line for line in datasets.describe(store))
+    record.unlink()
+    monkeypatch.setattr(processors, "processor_flags", lambda: frozenset({"sse4_2", "popcnt"}))
+    with pytest.raises(omma.Error, match=r"instruction_set was 'AVX2', is 'SSE4\.2'"):
+        datasets.run(job)
+    with pytest.raises(omma.Error, match=r"worker .*'AVX2', is 'SSE4\.2'.*portable"):
+        check_worker(str(store), omma.World(omma.Scene()).backend)
+    assert not record.exists()
+    # One that an older version began does not say it.
+    change_attributes(store, lambda said: said.pop("instruction_set"))
+    assert datasets.run(job).made == 1
+
+
+def test_any_instruction_set_goes_on_with_what_does_not_depend_on_it(tmp_path, monkeypatch):
+    job, store = write_job(tmp_path, rendering='backend = "portable"'), tmp_path / "job.zarr"
+    datasets.run(job)
+    assert "instruction_set" not in xarray.open_zarr(store).attrs
+    (store / "omma" / "done" / "00000001.json").unlink()
+    monkeypatch.setattr(processors, "processor_flags", lambda: frozenset({"sse4_2", "popcnt"}))
+    assert datasets.run(job).made == 1
+
+
+def test_any_format_holds_the_attributes(made, tmp_path):
+    data = xarray.open_zarr(made[1])
+    some = data.isel(view=slice(0, 3))
+    some.to_netcdf(tmp_path / "some.nc", engine="h5netcdf")
+    assert xarray.load_dataset(tmp_path / "some.nc", engine="h5netcdf").attrs == data.attrs
+
+
+def test_older_versions_wrote_objects_as_attributes(tmp_path):
+    job, store = write_job(tmp_path), tmp_path / "job.zarr"
+    datasets.run(job)
+    before = bytes_of(store)
+    is_object = ("job_plain", "inputs_sha256", "compression", "versions", "groups", "names")
+    change_attributes(
+        store, lambda said: said.update({name: json.loads(said[name]) for name in is_object})
+    )
+    assert any("conditions: " in line for line in datasets.describe(store))
+    assert len(datasets.open_views(store)) == 10
+    (store / "omma" / "done" / "00000001.json").unlink()
+    assert datasets.run(job).made == 1
+    assert bytes_of(store) == before
+    change_attributes(store, lambda said: said.update(names="[]"))
+    with pytest.raises(omma.Error, match="names: expected JSON of an object"):
+        datasets.open_views(store)
+
+
+def change_attributes(store, change):
+    path = store / "zarr.json"
+    said = json.loads(path.read_text())
+    change(said["attributes"])
+    path.write_text(json.dumps(said))
 
 
 @pytest.mark.parametrize("key", ["format", "omma_version"])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from omma import _core
-from omma._core import Error, Scene
+from omma._core import Error
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.directories import WholeDirectory
@@ -36,6 +36,7 @@ from omma.datasets.records import (
     damages,
     digests_of_inputs,
     make_manifest,
+    manifest_attributes,
     read_manifest,
     record_file,
     record_folder,
@@ -45,9 +46,14 @@ from omma.datasets.records import (
     writing,
 )
 from omma.datasets.shards import render_shard, write_shard
-from omma.datasets.worlds import Workshop, check_instances, load_cameras, load_eyes
+from omma.datasets.worlds import (
+    Workshop,
+    backend_of,
+    check_instances,
+    load_cameras,
+    load_eyes,
+)
 from omma.rendering.labelled_files import ZARR_MARKER
-from omma.scene.world import World
 
 
 @value_class
@@ -210,16 +216,16 @@ def _begin(
 ) -> None:
     """Make the store where there is none; else, also where another run has made one meanwhile, see
     that it is of this very job."""
-    backend = World(Scene(), backend=job.backend, devices=job.devices, threads=1).backend
     groups = {eye: layout.group for eye, layout in layouts.items()}
-    manifest = make_manifest(job, plan, digests, backend, groups)
+    manifest = make_manifest(job, plan, digests, backend_of(job), groups)
     if not os.path.lexists(path):
         check_instances(job)
         make_directory(Path(path).parent)
         store = WholeDirectory(path, ZARR_MARKER)
         try:
             with _told_of(path):
-                create_store(store.temporary, layouts, view_coordinates(job, plan), manifest)
+                attributes = manifest_attributes(manifest)
+                create_store(store.temporary, layouts, view_coordinates(job, plan), attributes)
                 os.makedirs(record_folder(store.temporary))
             store.sync()
             if store.finish(replaces=False):

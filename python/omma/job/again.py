@@ -10,7 +10,7 @@ from dataclasses import replace
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
-from omma.base.backend_names import without_ordinals
+from omma.base.backend_names import backend_differences, backend_record, backend_words
 from omma.base.files import PathLike, check_kept, digests_of, reading
 from omma.base.progress import Stage
 from omma.base.said import (
@@ -118,15 +118,21 @@ def render_like(
         command=command or f"omma.job.render_like({name!r}, ...)",
     )
     report = run_job(job, progress, times_s)
-    differs = [
+    differs = []
+    if version != _core.__version__:
+        differs.append((f"Omma {version}", f"Omma {_core.__version__}"))
+    made_by = {
+        "backend": backend,
+        "instruction_set": said.take("instruction_set", is_text, None),
+    }
+    here = backend_record(report.backend)
+    if any(backend_differences(made_by, here)):
+        differs.append((backend_words(made_by), backend_words(here)))
+    told = [
         f"{name} was rendered with {was}, this is {now}: the last bits may differ"
-        for was, now in (
-            (f"Omma {version}", f"Omma {_core.__version__}"),
-            (backend, report.backend),
-        )
-        if without_ordinals(was) != without_ordinals(now)
+        for was, now in differs
     ]
-    return replace(report, warnings=(*report.warnings, *differs))
+    return replace(report, warnings=(*report.warnings, *told))
 
 
 def check_scene(said: Said, scene: PathLike) -> None:

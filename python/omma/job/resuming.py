@@ -18,7 +18,7 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error
-from omma.base.backend_names import without_ordinals
+from omma.base.backend_names import backend_record, without_ordinals
 from omma.base.files import PathLike, WholeFiles, digests_of, write_whole
 from omma.base.said import is_number
 from omma.rendering.report import SpentRays
@@ -103,7 +103,7 @@ def inputs_of(
         raise Error("resume: expected a background as text, which can be compared, found an object")
     return {
         "omma": _core.__version__,
-        "backend": without_ordinals(backend),
+        **backend_record(without_ordinals(backend)),
         "outputs": list(names),
         **settings_as_record(settings),
         "seed": str(settings.seed),  # as always, so that what older versions began goes on
@@ -121,5 +121,7 @@ def _differences(then: Any, now: Mapping[str, Any]) -> Iterable[str]:
             for file in [*after, *(file for file in before if file not in after)]:
                 if before.get(file) != after.get(file):
                     yield f"{file} has changed"
+        elif name == "instruction_set" and name not in then:
+            continue  # older versions did not tell it
         elif then.get(name) != now.get(name):
             yield f"{name} was {then.get(name)!r}, is {now.get(name)!r}"
