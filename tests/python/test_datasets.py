@@ -47,6 +47,44 @@ def test_a_store_opens_with_xarray_and_has_what_render_gives(made):
     assert {"omma_version", "backend", "machine", "created", "versions"} <= set(data.attrs)
 
 
+def test_one_view_is_rendered_again(tmp_path):
+    """By its number in the whole store, which is the number of its frame."""
+    grey = '[[condition]]\nname = "grey"\nbackground = "0.1,0.1,0.1"\n'
+    day = '[[condition]]\nname = "day"\n'
+    outputs, noise = 'outputs = ["responses", "errors"]', 'noise = "new_every_frame"\nseed = 9'
+    job = write_job(tmp_path, dataset=outputs, rendering=noise, more=day + grey)
+    datasets.run(job)
+    data = xarray.open_zarr(tmp_path / "job.zarr")
+    scene, eye = omma.load_scene(tmp_path / "scene.gltf"), omma.load_eye(tmp_path / "bug.csv")
+    backgrounds = (None, omma.Background.constant((0.1, 0.1, 0.1)))
+    for view, condition in ((3, 0), (17, 1)):
+        assert data.condition[view] == condition
+        world = omma.World(scene, background=backgrounds[condition])
+        renderer = omma.Renderer(world, eye, omma.Fixed(2), noise="new_every_frame", seed=9)
+        poses = data.world_from_head[view].values
+        responses, errors = renderer.render(poses, standard_error=True, first_pose=view)
+        np.testing.assert_array_equal(responses[0], data.response[view])
+        np.testing.assert_array_equal(errors[0], data.standard_error[view])
+        assert (renderer.render(poses, first_pose=view - 1) != responses).any()
+
+
+def test_chunks_along_views_are_made_to_agree(made):
+    """As docs/datasets.md says of a store."""
+    data = xarray.open_zarr(made[1]).unify_chunks()
+    assert data.chunks["view"] == (2, 2, 2, 2, 2)
+    np.testing.assert_array_equal(data.response[7], xarray.open_zarr(made[1]).response[7])
+
+
+def test_stages_are_told_by_what_is_done(tmp_path):
+    told = []
+    datasets.run(write_job(tmp_path), progress=lambda stage, share: told.append((stage, share)))
+    assert list(dict.fromkeys(stage for stage, _ in told)) == [
+        *("Reading the eyes", "Laying out the store", "Checking inputs", "Opening the store"),
+        *("Building worlds", "Rendering", "Writing"),
+    ]
+    assert told[-1] == ("Writing", None)
+
+
 def test_poses_lie_where_the_job_says(made):
     place = xarray.open_zarr(made[1]).position.values
     assert (place >= [-5, 1, -5]).all()

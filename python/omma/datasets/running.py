@@ -130,13 +130,16 @@ def run(
         job = load_job(job)
     path = os.path.abspath(job.store if store is None else expect_local(store, "a data set"))
     _expect_writable(path)
-    tell("Checking inputs", None)
+    tell("Reading the eyes", None)
     eyes = load_eyes(job)
     load_cameras(job)
+    tell("Laying out the store", None)
     of_one_view = make_layouts(job, eyes)
     plan = make_plan(job, view_bytes(of_one_view))
     layouts = planned(of_one_view, plan)
+    tell("Checking inputs", None)
     digests = digests_of_inputs(job)
+    tell("Opening the store", None)
     _begin(job, path, plan, layouts, digests)
     if len(whole_shards(path, shards_done(path))) == plan.shards:
         return RunReport(path, plan.views, plan.shards, 0, 0, 0.0)
@@ -263,6 +266,7 @@ def _make_here(
             del rendered  # the writer gives its arrays up as it writes them
             tell_share(1.0)
         if written is not None:
+            tell("Writing", None)
             written.result()
     return tuple(workshop.warnings)
 

@@ -58,7 +58,8 @@ def render_like(
         threads, command, progress: as in `render_file`.
 
     Raises:
-        omma.Error: a file that does not say how it was made; a scene, eye or background that is
+        omma.Error: a file that does not say how it was made, or was made by `Renderer.dataset`,
+            which has no command; a scene, eye or background that is
             another now, with both hashes; and as `render_file`.
     """
     name = os.fsdecode(like)
@@ -67,6 +68,13 @@ def render_like(
     data = load_responses(like)
     record = dict(data.attrs)
     said = Said(record, name)
+    is_from_python = "eye_sha256" in record and "eye_files" not in record
+    if is_from_python and "world_from_head" in data.coords:
+        raise Error(
+            f"{name}: has no command, as it was made in Python, by Renderer.dataset. A renderer of "
+            "the same world, eye and settings renders it again: render(data.world_from_head, "
+            "first_pose=data.attrs.get('first_pose'))"
+        )
     if "eye_files" not in record or "world_from_head" not in data.coords:
         raise Error(
             f"{name}: does not say how it was made; what omma render writes as .zarr, .nc, "

@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,8 @@ class KeptRender:
         self.made_from = json.loads(json.dumps(made_from))  # as it is read back
         self.done = 0
         """Poses that are rendered and written."""
+        self.saved = 0
+        """The same, with those that this run has added."""
         self.seconds = 0.0
         """Spent on rendering them."""
         self.bytes: dict[str, int] = {}
@@ -53,6 +56,18 @@ class KeptRender:
             "spent": None if spent is None else asdict(spent),
         }
         write_whole(self.record, json.dumps(said, indent=1).encode())
+        self.saved = done
+
+    @contextmanager
+    def telling(self, poses: int) -> Iterator[None]:
+        """Errors say how many of the poses are kept."""
+        try:
+            yield
+        except Error as error:
+            raise Error(
+                f"{error}. {self.saved:,} of {poses:,} poses are kept; mend that and run the same "
+                "command again"
+            ) from None
 
     def remove(self) -> None:
         """All files are whole and have their names."""
@@ -83,7 +98,8 @@ class KeptRender:
                 f"{'; '.join(other)}. Remove it to begin anew"
             )
         if all(_core.kept_bytes(name) >= size for name, size in kept.items()):
-            self.done, self.bytes, self.seconds, self.spent = done, kept, seconds, spent
+            self.done = self.saved = done
+            self.bytes, self.seconds, self.spent = kept, seconds, spent
 
 
 def inputs_of(
