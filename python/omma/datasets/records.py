@@ -128,9 +128,7 @@ def make_manifest(
 
 def manifest_attributes(manifest: Mapping[str, Any]) -> dict[str, Any]:
     """A manifest as the attributes of a store, texts and numbers."""
-    return {
-        name: json.dumps(value) if name in _JSON else value for name, value in manifest.items()
-    }
+    return {name: json.dumps(value) if name in _JSON else value for name, value in manifest.items()}
 
 
 def read_manifest(store: str) -> dict[str, Any]:

@@ -59,8 +59,8 @@ def render_like(
 
     Raises:
         omma.Error: a file that does not say how it was made, or was made by `Renderer.dataset`,
-            which has no command; a scene, eye or background that is
-            another now, with both hashes; and as `render_file`.
+            which has no command; a scene, eye or background that is another now, with both
+            hashes; and as `render_file`.
     """
     name = os.fsdecode(like)
     several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
@@ -71,8 +71,8 @@ def render_like(
     is_from_python = "eye_sha256" in record and "eye_files" not in record
     if is_from_python and "world_from_head" in data.coords:
         raise Error(
-            f"{name}: has no command, as it was made in Python, by Renderer.dataset. A renderer of "
-            "the same world, eye and settings renders it again: render(data.world_from_head, "
+            f"{name}: has no command (made by Renderer.dataset). A renderer of the same world, eye "
+            "and settings renders it again: render(data.world_from_head.values, "
             "first_pose=data.attrs.get('first_pose'))"
         )
     if "eye_files" not in record or "world_from_head" not in data.coords:
