@@ -77,7 +77,7 @@ assert abs(found.distance_m - 1.71) < 0.01 + 4 * found.standard_error_m
 """,
     "docs/datasets.md": """
 assert evening.sizes["view"] == 40 and len(views) == 80
-assert some.sizes["view"] == 20 and again.shape[1:] == data.response.shape[1:]
+assert few.sizes["view"] == 20 and again.shape[1:] == data.response.shape[1:]
 assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
 """,
     "docs/eyes.md": """
