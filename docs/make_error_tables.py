@@ -1,11 +1,11 @@
 """Prints the tables of tails and of intervals in bench/notes/error-targets.md.
 
-    .venv/bin/python docs/make_error_tables.py [--data FOLDER] [--quick] [--skies]
+    .venv/bin/python docs/make_error_tables.py [--data FOLDER] [--quick] [--skies] [--lit]
 
 FOLDER holds CompoundRay's scenes and eyes (scenes/natural-standin-sky.gltf,
 bees/AM_60185-real.eye, ...); without it those that need it are left out. Some minutes; --quick
-tries everything in half a minute and means nothing. --skies: only the last table, intervals of
-skies without edges, in a minute.
+tries everything in half a minute and means nothing. --skies: only the table of intervals of skies
+without edges, in a minute. --lit: only the last one, intervals of an arena lit by paths and unlit.
 """
 
 import argparse
@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 TARGETS, SAMPLES = (0.003, 0.01, 0.03), (1, 16, 200)
 SKY_SAMPLES, SKY_SEEDS = (1, 4, 16, 64), 100
+LIT_SAMPLES, LIT_SEEDS = (1, 4, 16), 40
 RENDERS = 16  # to an error; a quarter of it of fixed numbers of rays
 SUMS = 2e-5  # what sums in single precision are off by
 
@@ -222,15 +223,58 @@ def measure_skies(seeds: int) -> None:
                 )
 
 
+def arena() -> omma.Scene:
+    """Patterned walls all round, a dark post and a floor, open to the sky."""
+    cells = np.random.default_rng(0).random((4, 16, 1))
+    walls = np.kron(cells, np.ones((8, 8, 3)))
+    floor = omma.scene.plane((2.2, 2.2), (0.4, 0.4, 0.4), center_m=(0, -0.6, 0), name="floor")
+    post = omma.scene.cylinder(0.08, 1.0, (0.02, 0.02, 0.02), center_m=(0.3, 0, -0.6), name="post")
+    return omma.scene.merge_scenes(
+        [omma.scene.drum(1.0, 1.2, walls, name="wall"), post, floor],
+        background=omma.Background.constant((0.8, 0.9, 1.0)),
+    )
+
+
+def measure_lit(seeds: int) -> None:
+    """A row for each light and number of samples: how often the bounds with neighbours hold, of all
+    responses, of the darkest tenth and of the response of which they hold least often."""
+    scene, eye = arena(), omma.eye.generate_eye(60)
+    sky = omma.light.clear_sky(30, bands=omma.light.Bands.equal(3, 400, 700))
+    worlds = {"unlit": omma.World(scene), "clear sky, by paths": omma.World(scene, light=sky)}
+    pose = omma.look_at((0, 0, 0), (0.3, 0, -0.6))
+    print("\n| arena | samples | all | darkest tenth | worst response |\n" + "| --- " * 5 + "|")
+    for name, world in worlds.items():
+        many = omma.Renderer(world, eye, omma.Fixed(4096), footprints=False)
+        truth = np.mean([many.with_eye(eye, seed=5000 + k).render(pose)[0] for k in range(8)], 0)
+        dark = truth < np.quantile(truth, 0.1)
+        for samples in LIT_SAMPLES:
+            few = many.with_eye(eye, omma.Fixed(samples))
+            both = [
+                few.with_eye(eye, seed=seed).render(pose, standard_error=True)
+                for seed in range(seeds)
+            ]
+            responses, errors = (np.stack([one[k][0] for one in both]) for k in range(2))
+            low, high = omma.study.confidence_interval(eye, responses, errors, 8 * samples)
+            held = (low <= truth) & (truth <= high)
+            print(
+                f"| {name} | {samples} | {held.mean():.3f} | {held[:, dark].mean():.3f} "
+                f"| {held.mean(axis=0).min():.3f} |",
+                flush=True,
+            )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     everything = ROOT.parent / "shared" / "data" / "compound-ray"
     parser.add_argument("--data", type=Path, default=everything)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--skies", action="store_true")
+    parser.add_argument("--lit", action="store_true")
     arguments = parser.parse_args()
     if arguments.skies:
         return measure_skies(SKY_SEEDS)
+    if arguments.lit:
+        return measure_lit(LIT_SEEDS)
     intervals = []
     print("| scene | target | rays | reached | within it | within twice | 99 % | 99.9 % | worst "
           "| worst RMS |\n" + "| --- " * 10 + "|")  # fmt: skip
@@ -244,6 +288,7 @@ def main() -> None:
     print("| --- " * 7 + "|")
     print("\n".join(intervals))
     measure_skies(4 if arguments.quick else SKY_SEEDS)
+    measure_lit(4 if arguments.quick else LIT_SEEDS)
     return None
 
 

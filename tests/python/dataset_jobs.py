@@ -8,6 +8,11 @@ from conftest import make_eye, write_gltf
 
 import omma
 
+# What Linux says of a processor with AVX2, but of that only what is asked.
+AVX2 = frozenset(
+    ("sse4_2", "popcnt", "avx", "avx2", "fma", "f16c", "rdrand", "abm", "bmi1", "bmi2")
+)
+
 JOB = """
 [dataset]
 seed = 5

@@ -16,7 +16,7 @@ from rich.progress import BarColumn
 
 import omma
 from omma.cli import working
-from omma.cli.working import DelayedBar
+from omma.cli.working import DelayedBar, times_of
 from omma.scene.building import BAKING, BUILDING, build_world
 from omma.scene.light_words import full_words, words_of_before
 
@@ -86,6 +86,14 @@ def test_where_no_share_is_known_none_is_told():
     shown = [str(column(task)) for column in columns if not isinstance(column, BarColumn)]
     assert "Preparing the page" in shown
     assert not [one for one in shown if "%" in one or "left" in one]
+
+
+def test_of_what_is_done_no_time_is_left():
+    """Files may still be closed after the last of it: "0 s left" for a minute would be wrong."""
+    bar = DelayedBar()
+    for done in (0.0, 0.5, 1.0):
+        bar.show("Verifying", done)
+    assert times_of(bar._bar.tasks[0]) == "0 s elapsed"
 
 
 def test_a_command_that_bakes_says_so_and_what_is_kept(tmp_path):

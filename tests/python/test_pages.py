@@ -32,7 +32,7 @@ COMPOUND_RAY = DATA / "compound-ray"
 # And what besides, ahead of a snippet of a page (counted from 0).
 GIVEN_BESIDES = {
     "docs/datasets.md": {
-        2: """
+        4: """
 import omma
 files = ["flight.zarr", "seen.csv"]
 omma.render_file("meadow.glb", files, eyes="honeybee.eye", path="flight.csv")
@@ -77,6 +77,7 @@ assert abs(found.distance_m - 1.71) < 0.01 + 4 * found.standard_error_m
 """,
     "docs/datasets.md": """
 assert evening.sizes["view"] == 40 and len(views) == 80
+assert few.sizes["view"] == 20 and again.shape[1:] == data.response.shape[1:]
 assert 0 < ahead.sizes["ommatidium"] < data.sizes["ommatidium"]
 """,
     "docs/eyes.md": """

@@ -13,6 +13,7 @@ import pytest
 from conftest import make_eye
 
 import omma
+from omma.base import processors
 from omma.base.files import WholeFiles
 
 POSES = 30
@@ -164,6 +165,43 @@ def test_other_inputs_are_refused(folder, change, settings, says):
     with pytest.raises(omma.Error, match=f"out.npy.resume: .*{re.escape(says)}.*Remove it"):
         render(folder, "out.npy", **settings)
     assert contents(folder, "out*") == before
+
+
+def test_another_instruction_set_is_refused(folder, monkeypatch):
+    cut_off(folder, "out.npy")
+    record = folder / "out.npy.resume"
+    said = json.loads(record.read_text())
+    monkeypatch.setattr(processors, "processor_flags", lambda: frozenset({"an x86"}))
+    assert said["made_from"].pop("instruction_set") != "SSE2"
+    with pytest.raises(omma.Error, match=r"instruction_set was '.*', is 'SSE2'.*Remove it"):
+        render(folder, "out.npy")
+    record.write_text(json.dumps(said))  # as older versions wrote it
+    assert render(folder, "out.npy").view.endswith("resumed at pose 9")
+
+
+def test_a_full_disk_says_what_is_kept(folder):
+    """Files that may not grow: as a full disk, the system refuses to write on."""
+    render(folder, "out.npy", resume=False)
+    expected = contents(folder, "out*")
+    code = (
+        "import resource, signal, sys, omma\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "pieces = []\n"
+        "def limit(stage, share):\n"
+        "    pieces.extend([stage] if stage == 'Writing' else [])\n"
+        "    if len(pieces) == 3:\n"
+        "        resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))\n"
+        "scene, eye, path, out = sys.argv[1:]\n"
+        "omma.render_file(scene, out, omma.Fixed(4), eyes=eye, path=path, resume=True,\n"
+        "                 noise='new_every_frame', progress=limit)\n"
+    )
+    names = ("scene.gltf", "bug.eye", "path.csv", "out.npy")
+    command = [sys.executable, "-c", code, *(folder / name for name in names)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert "9 of 30 poses are kept; mend that and run the same command again" in done.stderr
+    assert "out.npy" in done.stderr
+    assert render(folder, "out.npy").view.endswith("resumed at pose 9")
+    assert contents(folder, "out*") == expected
 
 
 def test_files_that_the_scene_names_count_too(folder):

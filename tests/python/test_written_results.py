@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,9 +15,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import make_eye, write_gltf
-from dataset_jobs import bytes_of, made_store
+from dataset_jobs import AVX2, bytes_of, made_store
 
 import omma
+from omma.base import processors
 from omma.base.directories import WholeDirectory, abandoned_directories
 from omma.base.files import WholeFiles, left_behind
 from omma.job import render_like
@@ -166,6 +168,14 @@ def test_memory_does_not_grow_with_poses(folder, name):
     # Poses themselves are in memory, as texts of some 400 bytes at most; those of 1200 are less
     # than a tenth of the 29 MB that their responses are.
     assert many - few < responses / 10
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_of_what_is_written_last_no_share_is_told(folder, resume):
+    """The last piece is written and files are made whole: how far that is nobody knows."""
+    told = []
+    render("out.npy", resume=resume, progress=lambda *one: told.append(one))
+    assert told[-1] == ("Writing", None)
 
 
 @pytest.mark.parametrize("name", LABELLED)
@@ -374,7 +384,7 @@ def test_what_was_in_memory_is_not_rendered_again(folder):
     with pytest.raises(omma.Error, match="background that was in memory"):
         render_like("out.npy", "again.npy")
     renderer_of().dataset(np.eye(4)).to_netcdf("own.nc", engine="h5netcdf")
-    with pytest.raises(omma.Error, match="does not say how it was made"):
+    with pytest.raises(omma.Error, match=r"own.nc: has no command.*Renderer\.dataset"):
         render_like("own.nc", "again.npy")
     assert dict(describe_responses("own.nc"))["shape"].startswith("1 pose x 60 ommatidia")
 
@@ -385,6 +395,19 @@ def test_another_version_is_a_warning(folder):
     (folder / "out.json").write_text(text.replace(omma.__version__, "0.0.1"))
     (warning,) = render_like("out.npy", "again.npy").warnings
     assert "Omma 0.0.1" in warning
+
+
+def test_another_instruction_set_is_a_warning(folder, run_omma, monkeypatch):
+    monkeypatch.setattr(processors, "processor_flags", lambda: AVX2)
+    render("out.npy")
+    assert load_responses("out.npy").attrs["instruction_set"] == "AVX2"
+    assert run_omma("info", "out.npy")[1].count(" on AVX2\n") == 1
+    monkeypatch.setattr(processors, "processor_flags", lambda: AVX2 - {"avx2"})
+    (warning,) = render_like("out.npy", "again.npy").warnings
+    assert re.search("rendered with embree .* on AVX2, this is embree .* on AVX:", warning)
+    render("own.npy", backend="portable")
+    assert "instruction_set" not in load_responses("own.npy").attrs
+    assert render_like("own.npy", "again.npy").warnings == ()
 
 
 @pytest.mark.parametrize("name", [*LABELLED, "out.json"])

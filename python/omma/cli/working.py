@@ -208,7 +208,7 @@ class _Times(ProgressColumn):
 def times_of(task: Task) -> str:
     """How long a stage has taken, and about how long it still takes where that is known."""
     elapsed = f"{_duration(task.elapsed or 0)} elapsed"
-    left = None if task.total is None else task.time_remaining
+    left = None if task.total is None or task.finished else task.time_remaining
     return elapsed if left is None else f"{elapsed}, {_duration(left)} left"
 
 

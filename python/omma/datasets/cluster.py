@@ -15,8 +15,9 @@ from omma.base.progress import Stage
 from omma.datasets.job_file import Job
 from omma.datasets.layout import Layout
 from omma.datasets.plan import Plan
+from omma.datasets.records import check_worker
 from omma.datasets.shards import make_shard
-from omma.datasets.worlds import Workshop
+from omma.datasets.worlds import Workshop, backend_of
 
 # How often a shard is tried again whose worker failed.
 _RETRIES = 3
@@ -138,6 +139,7 @@ def _make_one(common: tuple[Any, ...], shard: int) -> int:
     # A worker's threads make shards side by side, so each renders with one.
     with _lock:
         if path not in _workshops:
+            check_worker(path, backend_of(job))
             _workshops.clear()
             _workshops[path] = Workshop(job, digests, threads=1)
         workshop = _workshops[path]

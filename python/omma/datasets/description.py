@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from omma.base.arguments import checked
+from omma.base.backend_names import backend_words
 from omma.base.files import PathLike, reading
 from omma.datasets.layout import VIEW
 from omma.datasets.records import open_store, read_manifest, read_record, shard_count, shards_done
@@ -36,7 +37,7 @@ def describe(store: PathLike) -> list[str]:
         f"scenes: {', '.join(names['scene'])}",
         f"conditions: {', '.join(names['condition'])}",
         f"sets of poses: {', '.join(names['pose_set'])}",
-        f"made by Omma {manifest['omma_version']} with {manifest['backend']}, begun "
+        f"made by Omma {manifest['omma_version']} with {backend_words(manifest)}, begun "
         f"{manifest['created']}"
         + (f", {seconds:,.0f} s of work on {', '.join(machines)}" if records else ""),
     ]

@@ -38,7 +38,10 @@ HEAD_MOTION = {
 }
 
 # Attributes of labels that the manifest says better.
-_NOT_OF_EYES = ("created", "omma_version", "backend", "scene", "light", "scene_warnings")
+_NOT_OF_EYES = (
+    *("created", "omma_version", "backend", "instruction_set"),
+    *("scene", "light", "scene_warnings"),
+)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ is there, and ``lock``.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import platform
 import re
@@ -19,7 +20,7 @@ from typing import Any
 
 from omma import _core
 from omma._core import Error
-from omma.base.backend_names import without_ordinals
+from omma.base.backend_names import backend_differences, backend_record
 from omma.base.files import reading
 from omma.base.locks import lock
 from omma.base.said import (
@@ -39,6 +40,10 @@ from omma.datasets.shard_bytes import CHECKSUM, COMPRESSION
 from omma.rendering.labelled_files import DATA_SET, ZARR_MARKER, load_package
 
 FORMAT = f"{DATA_SET} 1"
+
+# Members of a manifest that are JSON texts in the store, as netCDF has no objects for attributes.
+# Older versions wrote objects.
+_JSON = ("job_plain", "inputs_sha256", "compression", "versions", "groups", "names")
 
 _RECORD = re.compile(r"(\d+)\.json")
 
@@ -79,6 +84,7 @@ def read_record(store: str, shard: int) -> dict[str, Any]:
         "files": files,
         "seconds": said.take("seconds", is_number),
         "machine": said.take("machine", is_text),
+        "instruction_set": said.take("instruction_set", is_text, None),
     }
 
 
@@ -91,14 +97,14 @@ def digests_of_inputs(job: Job) -> dict[str, str]:
 def make_manifest(
     job: Job, plan: Plan, digests: Mapping[str, str], backend: str, groups: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Attributes of a store: what it was made of, and by what."""
+    """What a store was made of, and by what."""
     return {
         "format": FORMAT,
         "job": job.text,
         "job_plain": job.plain,
         "inputs_sha256": dict(digests),
         "omma_version": _core.__version__,
-        "backend": backend,
+        **backend_record(backend),
         "compression": dict(COMPRESSION),
         "checksum": CHECKSUM,
         "versions": {
@@ -118,6 +124,11 @@ def make_manifest(
         "views_per_chunk": plan.views_per_chunk,
         "views_per_shard": plan.views_per_shard,
     }
+
+
+def manifest_attributes(manifest: Mapping[str, Any]) -> dict[str, Any]:
+    """A manifest as the attributes of a store, texts and numbers."""
+    return {name: json.dumps(value) if name in _JSON else value for name, value in manifest.items()}
 
 
 def read_manifest(store: str) -> dict[str, Any]:
@@ -141,8 +152,14 @@ def read_manifest(store: str) -> dict[str, Any]:
             f"{store}: expected {FORMAT!r}, found {found!r:.60}: it is of another version of Omma. "
             "What is in it is kept; go on with that version, or make a new store"
         )
-    _check_manifest(Said(attributes, f"{store}, {ZARR_MARKER}: attributes"))
-    return dict(attributes)
+    where = f"{store}, {ZARR_MARKER}: attributes"
+    texts = Said(attributes, where)
+    manifest = dict(attributes)
+    for name in _JSON:
+        if isinstance(attributes.get(name), str):
+            manifest[name] = texts.take_json(name, is_object)
+    _check_manifest(Said(manifest, where))
+    return manifest
 
 
 def _check_manifest(said: Said) -> None:
@@ -155,6 +172,7 @@ def _check_manifest(said: Said) -> None:
         said.refuse("views_per_shard", "1 or more")
     for name in ("omma_version", "backend", "created", "job"):
         said.take(name, is_text)
+    said.take("instruction_set", is_text, None)
     for name in ("job_plain", "inputs_sha256", "versions", "compression"):
         said.take(name, is_object)
     if not said.take("groups", is_object_of_texts):
@@ -186,10 +204,22 @@ def check_same(store: str, then: Mapping[str, Any], now: Mapping[str, Any]) -> N
         )
 
 
+def check_worker(store: str, backend: str) -> None:
+    """omma.Error where views that a worker makes by this backend would have other bits than those
+    in the store."""
+    other = list(backend_differences(read_manifest(store), backend_record(backend)))
+    if other:
+        raise Error(
+            f"{store}: was begun on another kind of machine than its worker {platform.node()}: "
+            f"{'; '.join(other)}. What is in it is kept; begin it on a machine as the workers are, "
+            'or with backend = "portable" in [rendering]'
+        )
+
+
 def _differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    for name, tell in (("omma_version", str), ("backend", without_ordinals)):
-        if tell(str(then.get(name))) != tell(now[name]):
-            yield f"{name} was {then.get(name)!r}, is {now[name]!r}"
+    if str(then.get("omma_version")) != now["omma_version"]:
+        yield f"omma_version was {then.get('omma_version')!r}, is {now['omma_version']!r}"
+    yield from backend_differences(then, now)
     before, after = dict(then.get("inputs_sha256", {})), now["inputs_sha256"]
     for file in [*after, *(file for file in before if file not in after)]:
         if before.get(file) != after.get(file):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from omma import _core
-from omma._core import Error, Scene
+from omma._core import Error
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.directories import WholeDirectory
@@ -36,6 +36,7 @@ from omma.datasets.records import (
     damages,
     digests_of_inputs,
     make_manifest,
+    manifest_attributes,
     read_manifest,
     record_file,
     record_folder,
@@ -45,9 +46,14 @@ from omma.datasets.records import (
     writing,
 )
 from omma.datasets.shards import render_shard, write_shard
-from omma.datasets.worlds import Workshop, check_instances, load_cameras, load_eyes
+from omma.datasets.worlds import (
+    Workshop,
+    backend_of,
+    check_instances,
+    load_cameras,
+    load_eyes,
+)
 from omma.rendering.labelled_files import ZARR_MARKER
-from omma.scene.world import World
 
 
 @value_class
@@ -124,13 +130,16 @@ def run(
         job = load_job(job)
     path = os.path.abspath(job.store if store is None else expect_local(store, "a data set"))
     _expect_writable(path)
-    tell("Checking inputs", None)
+    tell("Reading the eyes", None)
     eyes = load_eyes(job)
     load_cameras(job)
+    tell("Laying out the store", None)
     of_one_view = make_layouts(job, eyes)
     plan = make_plan(job, view_bytes(of_one_view))
     layouts = planned(of_one_view, plan)
+    tell("Checking inputs", None)
     digests = digests_of_inputs(job)
+    tell("Opening the store", None)
     _begin(job, path, plan, layouts, digests)
     if len(whole_shards(path, shards_done(path))) == plan.shards:
         return RunReport(path, plan.views, plan.shards, 0, 0, 0.0)
@@ -210,16 +219,16 @@ def _begin(
 ) -> None:
     """Make the store where there is none; else, also where another run has made one meanwhile, see
     that it is of this very job."""
-    backend = World(Scene(), backend=job.backend, devices=job.devices, threads=1).backend
     groups = {eye: layout.group for eye, layout in layouts.items()}
-    manifest = make_manifest(job, plan, digests, backend, groups)
+    manifest = make_manifest(job, plan, digests, backend_of(job), groups)
     if not os.path.lexists(path):
         check_instances(job)
         make_directory(Path(path).parent)
         store = WholeDirectory(path, ZARR_MARKER)
         try:
             with _told_of(path):
-                create_store(store.temporary, layouts, view_coordinates(job, plan), manifest)
+                attributes = manifest_attributes(manifest)
+                create_store(store.temporary, layouts, view_coordinates(job, plan), attributes)
                 os.makedirs(record_folder(store.temporary))
             store.sync()
             if store.finish(replaces=False):
@@ -257,6 +266,7 @@ def _make_here(
             del rendered  # the writer gives its arrays up as it writes them
             tell_share(1.0)
         if written is not None:
+            tell("Writing", None)
             written.result()
     return tuple(workshop.warnings)
 

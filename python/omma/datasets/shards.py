@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from omma import _core
 from omma._core import Error
+from omma.base.backend_names import backend_record
 from omma.base.files import WholeFiles, write_whole
 from omma.base.progress import Progress
 from omma.datasets.job_file import TRUTHS, Job
@@ -45,6 +46,7 @@ class RenderedShard:
     number: int
     views: range
     arrays: dict[str, Arrays]  # by eye
+    backend: str
     seconds: float
 
 
@@ -107,7 +109,7 @@ def render_shard(
             done += len(some)
         counts = [len(some) for some in poses]
         found[eye] = {**of_poses, **_joined(rendered, counts, layouts[eye], of_poses)}
-    return RenderedShard(shard, views, found, time.perf_counter() - start)
+    return RenderedShard(shard, views, found, renderer.backend, time.perf_counter() - start)
 
 
 def write_shard(store: str, layouts: Mapping[str, Layout], rendered: RenderedShard) -> None:
@@ -123,6 +125,7 @@ def write_shard(store: str, layouts: Mapping[str, Layout], rendered: RenderedSha
             "views": [rendered.views.start, rendered.views.stop],
             "seconds": round(rendered.seconds + time.perf_counter() - start, 3),
             "machine": platform.node(),
+            **backend_record(rendered.backend),
             "files": said,
         }
         name = record_file(store, rendered.number)

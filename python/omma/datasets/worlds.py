@@ -194,6 +194,12 @@ class Workshop:
         return scene
 
 
+def backend_of(job: Job) -> str:
+    """What renders a job's views here."""
+    world = World(Scene(), backend=job.backend, devices=job.devices, threads=1)
+    return world.backend
+
+
 def check_instances(job: Job) -> None:
     """omma.Error where none of a job's scenes has a thing whose share of the field it asks for."""
     files = {one.file: one.options for one in job.scenes}

@@ -10,7 +10,7 @@ from dataclasses import replace
 from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
-from omma.base.backend_names import without_ordinals
+from omma.base.backend_names import backend_differences, backend_record, backend_words
 from omma.base.files import PathLike, check_kept, digests_of, reading
 from omma.base.progress import Stage
 from omma.base.said import (
@@ -58,8 +58,9 @@ def render_like(
         threads, command, progress: as in `render_file`.
 
     Raises:
-        omma.Error: a file that does not say how it was made; a scene, eye or background that is
-            another now, with both hashes; and as `render_file`.
+        omma.Error: a file that does not say how it was made, or was made by `Renderer.dataset`,
+            which has no command; a scene, eye or background that is another now, with both
+            hashes; and as `render_file`.
     """
     name = os.fsdecode(like)
     several = [outputs] if isinstance(outputs, (str, os.PathLike)) else outputs
@@ -67,6 +68,13 @@ def render_like(
     data = load_responses(like)
     record = dict(data.attrs)
     said = Said(record, name)
+    is_from_python = "eye_sha256" in record and "eye_files" not in record
+    if is_from_python and "world_from_head" in data.coords:
+        raise Error(
+            f"{name}: has no command (made by Renderer.dataset). A renderer of the same world, eye "
+            "and settings renders it again: render(data.world_from_head.values, "
+            "first_pose=data.attrs.get('first_pose'))"
+        )
     if "eye_files" not in record or "world_from_head" not in data.coords:
         raise Error(
             f"{name}: does not say how it was made; what omma render writes as .zarr, .nc, "
@@ -118,15 +126,21 @@ def render_like(
         command=command or f"omma.job.render_like({name!r}, ...)",
     )
     report = run_job(job, progress, times_s)
-    differs = [
+    differs = []
+    if version != _core.__version__:
+        differs.append((f"Omma {version}", f"Omma {_core.__version__}"))
+    made_by = {
+        "backend": backend,
+        "instruction_set": said.take("instruction_set", is_text, None),
+    }
+    here = backend_record(report.backend)
+    if any(backend_differences(made_by, here)):
+        differs.append((backend_words(made_by), backend_words(here)))
+    told = [
         f"{name} was rendered with {was}, this is {now}: the last bits may differ"
-        for was, now in (
-            (f"Omma {version}", f"Omma {_core.__version__}"),
-            (backend, report.backend),
-        )
-        if without_ordinals(was) != without_ordinals(now)
+        for was, now in differs
     ]
-    return replace(report, warnings=(*report.warnings, *differs))
+    return replace(report, warnings=(*report.warnings, *told))
 
 
 def check_scene(said: Said, scene: PathLike) -> None:

@@ -41,7 +41,7 @@ def render_picture(begun: Begun, camera: Camera) -> RenderReport:
         progress=lambda done: begun.tell("Rendering", done),
     )
     seconds = time.perf_counter() - built
-    begun.tell("Writing", 1.0)
+    begun.tell("Writing", None)
     with WholeFiles() as files:
         for name in names:
             if Path(name).suffix.lower() == ".npy":

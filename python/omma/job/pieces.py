@@ -166,14 +166,14 @@ def render_pieces(
             if save is None:
                 waiting = beside.submit(_write, writers, rendered)
             else:
-                tell("Writing", first / len(poses))
+                tell("Writing", first / len(poses) if first < len(poses) else None)
                 _write(writers, rendered)
                 save(first, seconds)
             span = _PIECE_S if save is None else _KEPT_PIECE_S
             fitting = int(span * len(piece) / max(took, wrote, 1e-9))
             count = max(1, min(most, 8 * count, fitting))
         if waiting is not None:
-            tell("Writing", 1.0)
+            tell("Writing", None)  # and files are made whole
             waiting.result()
     return seconds
 

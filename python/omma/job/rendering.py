@@ -223,7 +223,8 @@ def run_job(
         if kept is None:
             seconds = pieces()
         else:
-            seconds = kept.seconds + pieces(partial(kept.save, files, spent), kept.done)
+            with kept.telling(len(view.poses)):
+                seconds = kept.seconds + pieces(partial(kept.save, files, spent), kept.done)
     writing = time.perf_counter() - begun_writing - (seconds - seconds_before)
     if kept is not None:
         kept.remove()

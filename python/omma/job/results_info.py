@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from omma._core import Error
+from omma.base.backend_names import backend_words
 from omma.base.files import PathLike, reading
 from omma.base.said import Said, is_text, is_texts
 from omma.job.again import check_background, check_eyes, check_scene
@@ -84,7 +85,11 @@ def _describe(name: str, data: xarray.Dataset) -> Lines:
     said = Said(data.attrs, name)
     if version := said.take("omma_version", is_text, ""):
         made = f"{said.take('created', is_text, '')} by Omma {version}, "
-        lines.append(("rendered", (made + said.take("backend", is_text, "")).strip()))
+        record = {
+            "backend": said.take("backend", is_text, ""),
+            "instruction_set": said.take("instruction_set", is_text, None),
+        }
+        lines.append(("rendered", (made + backend_words(record)).strip()))
     if command := said.take("command", is_text, ""):
         lines.append(("command", command))
     if scene := said.take("scene", is_text, ""):

@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error
-from omma.base.backend_names import without_ordinals
+from omma.base.backend_names import backend_record, without_ordinals
 from omma.base.files import PathLike, WholeFiles, digests_of, write_whole
 from omma.base.said import is_number
 from omma.rendering.report import SpentRays
@@ -34,6 +35,8 @@ class KeptRender:
         self.made_from = json.loads(json.dumps(made_from))  # as it is read back
         self.done = 0
         """Poses that are rendered and written."""
+        self.saved = 0
+        """The same, with those that this run has added."""
         self.seconds = 0.0
         """Spent on rendering them."""
         self.bytes: dict[str, int] = {}
@@ -53,6 +56,18 @@ class KeptRender:
             "spent": None if spent is None else asdict(spent),
         }
         write_whole(self.record, json.dumps(said, indent=1).encode())
+        self.saved = done
+
+    @contextmanager
+    def telling(self, poses: int) -> Iterator[None]:
+        """Errors say how many of the poses are kept."""
+        try:
+            yield
+        except Error as error:
+            raise Error(
+                f"{error}. {self.saved:,} of {poses:,} poses are kept; mend that and run the same "
+                "command again"
+            ) from None
 
     def remove(self) -> None:
         """All files are whole and have their names."""
@@ -83,7 +98,8 @@ class KeptRender:
                 f"{'; '.join(other)}. Remove it to begin anew"
             )
         if all(_core.kept_bytes(name) >= size for name, size in kept.items()):
-            self.done, self.bytes, self.seconds, self.spent = done, kept, seconds, spent
+            self.done = self.saved = done
+            self.bytes, self.seconds, self.spent = kept, seconds, spent
 
 
 def inputs_of(
@@ -103,7 +119,7 @@ def inputs_of(
         raise Error("resume: expected a background as text, which can be compared, found an object")
     return {
         "omma": _core.__version__,
-        "backend": without_ordinals(backend),
+        **backend_record(without_ordinals(backend)),
         "outputs": list(names),
         **settings_as_record(settings),
         "seed": str(settings.seed),  # as always, so that what older versions began goes on
@@ -121,5 +137,7 @@ def _differences(then: Any, now: Mapping[str, Any]) -> Iterable[str]:
             for file in [*after, *(file for file in before if file not in after)]:
                 if before.get(file) != after.get(file):
                     yield f"{file} has changed"
+        elif name == "instruction_set" and name not in then:
+            continue  # older versions did not tell it
         elif then.get(name) != now.get(name):
             yield f"{name} was {then.get(name)!r}, is {now.get(name)!r}"

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from omma import _core
 from omma._core import Eye
+from omma.base.backend_names import backend_record
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import digests_of
 from omma.base.poses import Matrices
@@ -238,7 +239,7 @@ def _attributes(renderer: Prepared) -> dict[str, Any]:
         "units": f"lengths m, angles degree, wavelengths nm; responses {of_what}",
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "omma_version": _core.__version__,
-        "backend": renderer.backend,
+        **backend_record(renderer.backend),
         **settings_as_record(renderer.settings),
         "eye": renderer.eye.path,
         "eye_sha256": eye_digest(renderer.eye),

@@ -17,7 +17,7 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error, Scene, __version__
-from omma.base.backend_names import without_ordinals
+from omma.base.backend_names import backend_record, backend_words, without_ordinals
 from omma.base.directories import cache_folder
 from omma.base.files import WholeFiles, make_directory
 from omma.base.warn import warn_caller
@@ -65,7 +65,7 @@ def world_key(
     """
     digest = hashlib.blake2b(digest_size=32)
     transforms = [one.world_from_node for one in engine.instances]
-    backend = without_ordinals(engine.backend)
+    backend = backend_words(backend_record(without_ordinals(engine.backend)))
     for one in (_FORMAT, __version__, backend, of_scene, transforms, light, settings):
         _add(digest, one)
     return digest.hexdigest()
