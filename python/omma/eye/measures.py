@@ -16,6 +16,7 @@ from omma.base.arguments import checked
 from omma.base.arrays import Flags, Floats, Ints
 from omma.base.directions import angle_of_chord, normalized
 from omma.base.values import value_class
+from omma.eye.doubles import doubles
 from omma.eye.field import Field, field_of_view
 from omma.eye.neighbours import (
     Neighbours,
@@ -63,11 +64,11 @@ class EyeMeasures:
     facet_spacing_m: mean distance to the neighbours on the surface.
     skew_head_rad, skew_eye_rad, skew_normal_rad: the angle between the axis and the direction from
         the origin of the head's frame, that from the centre of the eye (the sphere that fits its
-        positions best), the surface's normal.
+        positions best, of which three or fewer have none), the surface's normal.
     sensitivity_m2_sr: Land's optical sensitivity S of the most sensitive receptor, m² sr, where D
         and the rhabdom's length and absorption are known; see `omma.receptors.optical_sensitivity`.
     outlier: what is far from the neighbours': "", or "spacing", "axis" or "position", or several
-        with + between.
+        with + between; or "double of 17", of which ommatidium it is one.
     duplicate_of: the first ommatidium with the same position and axis, -1 where there is none.
     axis: (N, 3), directions. lattice: neighbours in direction.
     """
@@ -110,9 +111,16 @@ class EyeMeasures:
 
     @cached_property
     def cell_rad(self) -> Floats:
-        """How wide an ommatidium's cell of the visual field is: Δφ; without neighbours, Δρ."""
+        """How wide an ommatidium's cell of the visual field is: Δφ; without neighbours, Δρ. At most
+        four times the Δφ that 19 of 20 of the eye stay below, which the sparse zone of an acute eye
+        may have: an axis that stands apart does not fill the hole it stands in."""
         alone = np.isnan(self.interommatidial_rad)
-        return np.where(alone, self.acceptance_rad, self.interommatidial_rad)
+        cell = np.where(alone, self.acceptance_rad, self.interommatidial_rad)
+        for which in np.unique(self.eye_id[~alone]):
+            mine = self.eye_id == which
+            most = 4 * np.percentile(self.interommatidial_rad[mine & ~alone], 95)
+            cell[mine] = np.minimum(cell[mine], most)
+        return cell
 
     @cached_property
     def ratio(self) -> Floats:
@@ -146,7 +154,11 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     the median of their surface angles ("axis"), the distance from the mean position of the
     neighbours in direction over the facet spacing ("position"). One is an outlier where that is
     over 8 robust standard deviations (1.4826 times the median absolute deviation) above the eye's
-    median, and over ln 2, 1.5 and 1.5, so that a border or a smooth gradient is none.
+    median, and over ln 2, 1.5 and 1.5, so that a border or a smooth gradient is none. One whose
+    axis is far from all others, so that it has no neighbours, is one in spacing.
+
+    Doubles, which lie and look less than a fifth as far from another of their eye as others do from
+    either, count as one with it: they are named, are nobody's neighbours, and have its neighbours.
 
     Raises:
         omma.Error: an eye without ommatidia.
@@ -157,8 +169,9 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     axis = eye.axis.astype(np.float64)
     axis = normalized(axis)
     eye_id = sides(position, eye.eye_id)
-    directions = direction_lattice(axis, eye_id)
-    surface = surface_lattice(position, eye_id)
+    double_of = doubles(position, axis, eye_id)
+    directions = direction_lattice(axis, eye_id, double_of)
+    surface = surface_lattice(position, eye_id, double_of)
     spacing = directions.mean_over_pairs(_pair_angles(axis, directions.pairs))
     on_surface = surface.mean_over_pairs(_pair_angles(axis, surface.pairs))
     facet_spacing = surface.mean_over_pairs(_pair_lengths(position, surface.pairs))
@@ -168,10 +181,17 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     if flat.any():
         ellipse[flat] = _local_ellipse(axis, directions)[flat]
     has_surface = np.isfinite(on_surface)
-    outward = np.empty_like(position)
+    outward = np.zeros_like(position)
     for which in np.unique(eye_id):
         members = eye_id == which
-        outward[members] = position[members] - eye_centre(position[members])
+        if members.sum() >= 4:  # three lie on many spheres
+            outward[members] = position[members] - eye_centre(position[members])
+    duplicate_of = _duplicates(position, axis)
+    outlier = _outliers(
+        position, axis, directions, surface, spacing, on_surface, facet_spacing, eye_id
+    )
+    for i in np.flatnonzero((double_of >= 0) & (duplicate_of < 0)):
+        outlier[i] = f"double of {double_of[i]}"
     return EyeMeasures(
         eye_id=eye_id,
         neighbours=directions.count(),
@@ -190,10 +210,8 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         skew_eye_rad=_angle_between(outward, axis),
         skew_normal_rad=_angle_between(surface_normals(position, surface), axis),
         sensitivity_m2_sr=_sensitivity(eye),
-        outlier=_outliers(
-            position, axis, directions, surface, spacing, on_surface, facet_spacing, eye_id
-        ),
-        duplicate_of=_duplicates(position, axis),
+        outlier=outlier,
+        duplicate_of=duplicate_of,
         axis=axis,
         lattice=directions,
     )
@@ -280,11 +298,18 @@ def _outliers(
     around = _median_over_neighbours(spacing, directions)
     # On a stretched surface those beside an ommatidium look farther apart than the nearest axes do.
     beside = _median_over_neighbours(on_surface, surface)
+    facets = _median_over_neighbours(facet_spacing, surface)
+    for which in np.unique(eye_id):
+        # One that is off the surface has no neighbours on it.
+        off = (eye_id == which) & np.isnan(facets)
+        known = facets[(eye_id == which) & ~off]
+        facets[off] = np.median(known) if len(known) else np.nan
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.abs(np.log(spacing / around))
+        # One without neighbours is infinitely far from them.
+        ratio = np.where(np.isnan(spacing), np.inf, np.abs(np.log(spacing / around)))
         turned = _angle_between(surface.mean_over_neighbours(axis), axis) / beside
         away = np.linalg.norm(position - directions.mean_over_neighbours(position), axis=1)
-        apart = away / _median_over_neighbours(facet_spacing, surface)
+        apart = away / facets
     reasons = np.full(len(axis), "", dtype="<U24")
     for name, value, floor in (
         ("spacing", ratio, np.log(2)),
@@ -292,8 +317,8 @@ def _outliers(
         ("position", apart, 1.5),
     ):
         for which in np.unique(eye_id):
-            members = np.flatnonzero((eye_id == which) & np.isfinite(value))
-            if len(members) < 8:
+            members = np.flatnonzero((eye_id == which) & ~np.isnan(value))
+            if np.isfinite(value[members]).sum() < 8:
                 continue
             middle = np.median(value[members])
             sd = 1.4826 * np.median(np.abs(value[members] - middle))
