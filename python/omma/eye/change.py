@@ -19,6 +19,7 @@ from omma.base.directions import angle_of_chord
 from omma.base.poses import poses_from_angles
 from omma.base.renamed import renamed_arguments
 from omma.base.warn import warn_caller
+from omma.eye.doubles import doubles
 from omma.eye.files import changed_told
 
 # What counts as in the middle: of the mean x of an eye of size 1, and of the mean of unit axes. And
@@ -256,7 +257,8 @@ def set_acceptance(
     - ``angle_rad``: this angle for all.
     - ``factor``: the present angles times this.
     - ``ratio``: this times the local interommatidial angle Δφ, the mean angle to the (up to) six
-      nearest axes of the same eye: Δρ = ratio · Δφ.
+      nearest axes of the same eye: Δρ = ratio · Δφ. Of doubles and copies, as `measure_eye` names
+      them, one counts.
     - ``non_overlapping``: the angle to the nearest axis of the same eye. Cones of half that angle
       around each axis touch at most: of all rules that look at the nearest neighbour only, the
       widest that never overlaps.
@@ -283,7 +285,7 @@ def set_acceptance(
     elif factor is not None:
         angle = eye.acceptance_angle_rad.astype(np.float64) * positive(factor, "factor")
     elif ratio is not None:
-        between = eye.interommatidial_angle_rad().astype(np.float64)
+        between = _interommatidial_rad(eye)
         _check_neighbours(between, "interommatidial angle")
         angle = between * positive(ratio, "ratio")
     else:
@@ -292,6 +294,16 @@ def set_acceptance(
         if compoundray_maximal:
             angle = 2 * (angle - angle[nearest] / 2)
     return changed_told(eye, eye.replace(acceptance_angle_rad=angle))
+
+
+def _interommatidial_rad(eye: Eye) -> Floats:
+    # Of doubles, exact copies among them, the first alone.
+    axis = eye.axis.astype(np.float64)
+    double_of = doubles(eye.position_m.astype(np.float64), axis, eye.eye_id)
+    single = np.flatnonzero(double_of < 0)
+    between = np.zeros(len(eye))
+    between[single] = eye.take(single).interommatidial_angle_rad()
+    return np.where(double_of < 0, between, between[double_of])
 
 
 def _check_neighbours(angle: Floats, what: str) -> None:

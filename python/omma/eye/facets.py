@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from omma._core import Acceptance, Error, Eye
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.base.arrays import Floats
+from omma.eye.doubles import doubles
 from omma.eye.neighbours import surface_lattice
 
 
@@ -17,7 +18,7 @@ def facet_diameters_m(eye: Eye) -> Floats:
 
     The mean distance to the neighbours on the surface (docs/looking-at-eyes.md), which in a
     hexagonal lattice is the facets' width across flats; of an ommatidium without neighbours the
-    distance to the nearest.
+    distance to the nearest. Doubles, as `measure_eye` names them, count as one.
 
     Raises:
         omma.Error: an eye of one ommatidium, several at one position.
@@ -25,7 +26,8 @@ def facet_diameters_m(eye: Eye) -> Floats:
     from scipy.spatial import cKDTree
 
     position = eye.position_m.astype(np.float64)
-    surface = surface_lattice(position, eye.eye_id)
+    double_of = doubles(position, eye.axis.astype(np.float64), eye.eye_id)
+    surface = surface_lattice(position, eye.eye_id, double_of)
     ends = position[surface.pairs]
     diameter = surface.mean_over_pairs(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
     for one in np.unique(eye.eye_id):
@@ -36,9 +38,12 @@ def facet_diameters_m(eye: Eye) -> Floats:
         if not nearest.all():
             where = int(members[np.argmin(nearest)])
             raise Error(f"facet_diameters_m: ommatidium {where} sits where its neighbours do")
-        alone = np.isnan(diameter[members])
-        diameter[members[alone]] = nearest[alone]
-    return diameter
+        single = members[double_of[members] < 0]
+        if len(single) < len(members):
+            nearest = cKDTree(position[single]).query(position[single], 2)[0][:, 1]
+        alone = np.isnan(diameter[single])
+        diameter[single[alone]] = nearest[alone]
+    return np.where(double_of < 0, diameter, diameter[double_of])
 
 
 @checked

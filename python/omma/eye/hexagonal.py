@@ -21,6 +21,7 @@ from omma.base.arrays import Floats, Ints
 from omma.base.directions import normalized
 from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
+from omma.eye.doubles import doubles
 from omma.eye.neighbours import Neighbours, direction_lattice, sides, surface_lattice
 
 __all__ = ["DIRECTIONS", "NO_COORDINATE", "HexagonalCoordinates"]
@@ -121,7 +122,8 @@ def hexagonal_coordinates(
     position, axis = eye.position_m.astype(np.float64), normalized(eye.axis.astype(np.float64))
     eye_id = sides(position, eye.eye_id)
     positions = position if by == "surface" else axis
-    lattice = (surface_lattice if by == "surface" else direction_lattice)(positions, eye_id)
+    lattice_of = surface_lattice if by == "surface" else direction_lattice
+    lattice = lattice_of(positions, eye_id, doubles(position, axis, eye_id))
     count = len(axis)
     p, q = np.full(count, NO_COORDINATE, np.int64), np.full(count, NO_COORDINATE, np.int64)
     neighbours, angle = np.full((count, 6), -1, np.int64), np.full((count, 6), np.nan)

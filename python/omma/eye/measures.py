@@ -53,11 +53,11 @@ class EyeMeasures:
     facet_spacing_m: mean distance to the neighbours on the surface.
     skew_head_rad, skew_eye_rad, skew_normal_rad: the angle between the axis and the direction from
         the origin of the head's frame, that from the centre of the eye (the sphere that fits its
-        positions best), the surface's normal.
+        positions best, of which three or fewer have none), the surface's normal.
     sensitivity_m2_sr: Land's optical sensitivity S of the most sensitive receptor, m² sr, where D
         and the rhabdom's length and absorption are known; see `omma.receptors.optical_sensitivity`.
     outlier: what is far from the neighbours': "", or "spacing", "axis" or "position", or several
-        with + between.
+        with + between; or "double of 17", of which ommatidium it is one.
     duplicate_of: the first ommatidium with the same position and axis, -1 where there is none.
     axis: (N, 3), directions. lattice: neighbours in direction.
     """
@@ -100,9 +100,16 @@ class EyeMeasures:
 
     @cached_property
     def cell_rad(self) -> Floats:
-        """How wide an ommatidium's cell of the visual field is: Δφ; without neighbours, Δρ."""
+        """How wide an ommatidium's cell of the visual field is: Δφ; without neighbours, Δρ. At most
+        four times the Δφ that 19 of 20 of the eye stay below, which the sparse zone of an acute eye
+        may have: an axis that stands apart does not fill the hole it stands in."""
         alone = np.isnan(self.interommatidial_rad)
-        return np.where(alone, self.acceptance_rad, self.interommatidial_rad)
+        cell = np.where(alone, self.acceptance_rad, self.interommatidial_rad)
+        for which in np.unique(self.eye_id[~alone]):
+            mine = self.eye_id == which
+            most = 4 * np.percentile(self.interommatidial_rad[mine & ~alone], 95)
+            cell[mine] = np.minimum(cell[mine], most)
+        return cell
 
     @cached_property
     def ratio(self) -> Floats:
@@ -138,7 +145,11 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     over 8 robust standard deviations (1.4826 times the median absolute deviation) above the eye's
     median, and over ln 2, 1.5 and 1.5, so that a border or a smooth gradient is none. Of an axis
     and a position that do not go together, the one is told that is out of place among its kind.
-    Those beside a wrong axis or position are judged without it.
+    Those beside a wrong axis or position are judged without it. One whose axis is far from all
+    others, so that it has no neighbours, is an outlier in spacing.
+
+    Doubles, which lie and look less than a fifth as far from another of their eye as others do from
+    either, count as one with it: they are named, are nobody's neighbours, and have its neighbours.
 
     Raises:
         omma.Error: an eye without ommatidia.
@@ -157,10 +168,15 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     if flat.any():
         ellipse[flat] = _local_ellipse(axis, directions)[flat]
     has_surface = np.isfinite(around.on_surface)
-    outward = np.empty_like(position)
+    outward = np.zeros_like(position)
     for which in np.unique(eye_id):
         members = eye_id == which
-        outward[members] = position[members] - eye_centre(position[members])
+        if members.sum() >= 4:  # three lie on many spheres
+            outward[members] = position[members] - eye_centre(position[members])
+    duplicate_of = _duplicates(position, axis)
+    outlier = outliers(position, axis, eye_id, around)
+    for i in np.flatnonzero((around.double_of >= 0) & (duplicate_of < 0)):
+        outlier[i] = f"double of {around.double_of[i]}"
     return EyeMeasures(
         eye_id=eye_id,
         neighbours=directions.count(),
@@ -179,8 +195,8 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         skew_eye_rad=angle_or_nan(outward, axis),
         skew_normal_rad=angle_or_nan(surface_normals(position, surface), axis),
         sensitivity_m2_sr=_sensitivity(eye),
-        outlier=outliers(position, axis, eye_id, around),
-        duplicate_of=_duplicates(position, axis),
+        outlier=outlier,
+        duplicate_of=duplicate_of,
         axis=axis,
         lattice=directions,
     )

@@ -12,7 +12,7 @@ triangles of a lattice are never obtuse, so none of its own is lost.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ from omma.base.values import value_class
 # third nearest point. What is far over that spans a hole; a steep acute zone has up to about 2. Up
 # to seven missing ommatidia side by side (1.73) are bridged.
 _LARGEST_CIRCLE = 2.0
+# How much larger that distance is than around it, at the edges of the steepest acute zones.
+_STEEPEST = 1.5
 # A right angle is the most a lattice has; the rest is disorder. Triangles flatter than the first
 # are taken from the border again and again, those flatter than the second once, so that a
 # disordered eye is not eaten up.
@@ -40,8 +42,8 @@ class Neighbours:
     pairs: (E, 2), each pair of neighbours once, as indices into the K points.
     triangles: (T, 3), counter-clockwise seen from outside; no point of the K lies in one.
     border: (K,), whether a point is on the border of the lattice, or has no neighbours.
-    first: (K,), of points that are in the same direction the first: pairs and triangles hold only
-        that one, and what is asked of the others is answered for it.
+    first: (K,), of points that are in the same direction, and of doubles, the first: pairs and
+        triangles hold only that one, and what is asked of the others is answered for it.
     """
 
     pairs: Ints
@@ -83,31 +85,38 @@ class Neighbours:
         return np.asarray(mean[self.first])
 
 
-def direction_lattice(axis: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
+def direction_lattice(
+    axis: Floats, eye_id: NDArray[np.int32], double_of: Ints | None = None
+) -> Neighbours:
     """The lattice of axes (N, 3), each eye's for itself. Ommatidia of one eye with the same axis
-    count as one."""
+    count as one, and so do `doubles`."""
+    single = _single(double_of, len(axis))
     groups = []
     for which in np.unique(eye_id):
-        members = np.flatnonzero(eye_id == which)
+        members = np.flatnonzero((eye_id == which) & single)
         directions = normalized(axis[members])
         groups.append((members, directions))
-    return _joined(groups, len(axis))
+    return _answered_for_doubles(_joined(groups, len(axis)), double_of)
 
 
-def surface_lattice(position: Floats, eye_id: NDArray[np.int32]) -> Neighbours:
-    """The lattice of positions (N, 3), each eye's for itself, seen from its centre.
+def surface_lattice(
+    position: Floats, eye_id: NDArray[np.int32], double_of: Ints | None = None
+) -> Neighbours:
+    """The lattice of positions (N, 3), each eye's for itself, seen from its centre. `doubles` count
+    as one.
 
     Meant for surfaces that bulge, as eyes do. Eyes with fewer than four positions, or with all of
     them at a point, have none.
     """
+    single = _single(double_of, len(position))
     groups = []
     for which in np.unique(eye_id):
-        members = np.flatnonzero(eye_id == which)
+        members = np.flatnonzero((eye_id == which) & single)
         outward = position[members] - eye_centre(position[members])
         length = np.linalg.norm(outward, axis=1, keepdims=True)
         if len(members) >= 4 and length.min() > 0:
             groups.append((members, outward / length))
-    return _joined(groups, len(position))
+    return _answered_for_doubles(_joined(groups, len(position)), double_of)
 
 
 def surface_normals(position: Floats, surface: Neighbours) -> Floats:
@@ -161,6 +170,17 @@ def sides(position: Floats, eye_id: NDArray[np.int32]) -> NDArray[np.int32]:
     return (x >= 0).astype(np.int32)
 
 
+def _single(double_of: Ints | None, count: int) -> Flags:
+    return np.ones(count, bool) if double_of is None else double_of < 0
+
+
+def _answered_for_doubles(lattice: Neighbours, double_of: Ints | None) -> Neighbours:
+    if double_of is None:
+        return lattice
+    counted = np.where(double_of < 0, np.arange(len(double_of)), double_of)
+    return replace(lattice, border=lattice.border[counted], first=lattice.first[counted])
+
+
 def _joined(groups: Iterable[tuple[Ints, Floats]], count: int) -> Neighbours:
     pairs, triangles = [], []
     border, same = np.ones(count, bool), np.arange(count)
@@ -197,19 +217,23 @@ def _lattice(directions: Floats) -> tuple[Ints, Ints, Flags]:
     from scipy.spatial import cKDTree
 
     triangles = _delaunay(directions)
+    if len(triangles):
+        spacing = _local_spacing(directions)
+        triangles = _without_bridges(directions, triangles, spacing)
     if len(triangles) == 0:
         return _chain(directions), triangles, np.ones(len(directions), bool)
-    triangles = _without_bridges(directions, triangles)
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     pairs, times = np.unique(edges, axis=0, return_counts=True)
     border = np.zeros(len(directions), bool)
     border[pairs[times == 1]] = True
     lonely = np.setdiff1d(np.arange(len(directions)), triangles)
     border[lonely] = True
-    # A point that only flat triangles held keeps the nearest it has.
+    # A point that only flat triangles held keeps the nearest it has, but one far off the lattice,
+    # as by a wrong axis, is nobody's neighbour.
     if len(lonely):
-        nearest = cKDTree(directions).query(directions[lonely], k=2)[1][:, 1]
-        more = np.sort(np.column_stack([lonely, nearest]), axis=1)
+        apart, near = cKDTree(directions).query(directions[lonely], k=2)
+        close = apart[:, 1] <= _LARGEST_CIRCLE * spacing[near[:, 1]]
+        more = np.sort(np.column_stack([lonely, near[:, 1]])[close], axis=1)
         pairs = np.unique(np.concatenate([pairs, more]), axis=0)
     return pairs, triangles, border
 
@@ -217,14 +241,20 @@ def _lattice(directions: Floats) -> tuple[Ints, Ints, Flags]:
 def _delaunay(directions: Floats) -> Ints:
     from scipy.spatial import ConvexHull, QhullError
 
-    if len(directions) < 4:
+    if len(directions) < 3:
         return np.empty((0, 3), np.int64)
-    try:
-        triangles = ConvexHull(directions).simplices.astype(np.int64)
-    except QhullError:  # all on one circle
-        return np.empty((0, 3), np.int64)
+    if len(directions) == 3:
+        triangles = np.arange(3)[None]
+    else:
+        try:
+            hull = ConvexHull(directions)
+        except QhullError:  # all on one circle
+            return np.empty((0, 3), np.int64)
+        # Where an eye sees less than half of all directions, the hull closes on its far side: there
+        # the middle of the sphere is outside.
+        triangles = hull.simplices[hull.equations[:, 3] < -_SAME_RAD].astype(np.int64)
     a, b, c = directions[triangles].transpose(1, 0, 2)
-    inside = np.sum(np.cross(b - a, c - a) * (a - directions.mean(axis=0)), axis=1) < 0
+    inside = np.sum(np.cross(b - a, c - a) * a, axis=1) < 0
     triangles[inside] = triangles[inside][:, ::-1]
     return np.asarray(triangles)
 
@@ -237,24 +267,32 @@ def _chain(directions: Floats) -> Ints:
     count = len(directions)
     if count < 2:
         return np.empty((0, 2), np.int64)
-    near = cKDTree(directions).query(directions, k=min(3, count))[1][:, 1:]
+    near = cKDTree(directions).query(directions, k=3 if count > 3 else 2)[1][:, 1:]
     nearest = np.sort(np.column_stack([np.arange(count), near[:, 0]]), axis=1)
     both = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
     pairs, times = np.unique(np.sort(both, axis=1), axis=0, return_counts=True)
     return np.asarray(np.unique(np.concatenate([pairs[times == 2], nearest]), axis=0))
 
 
-def _without_bridges(directions: Floats, triangles: Ints) -> Ints:
+def _local_spacing(directions: Floats) -> Floats:
+    # The distance to the third nearest, but little more than it is for the nearest six: of a point
+    # far off the lattice, as by a wrong axis, it is that of the lattice it is nearest to.
     from scipy.spatial import cKDTree
 
-    third = cKDTree(directions).query(directions, k=4)[0][:, 3]
+    distance, near = cKDTree(directions).query(directions, k=min(7, len(directions)))
+    third = distance[:, :4][:, -1]
+    around = np.median(third[near[:, 1:]], axis=1)
+    return np.asarray(np.minimum(third, _STEEPEST * around))
+
+
+def _without_bridges(directions: Floats, triangles: Ints, spacing: Floats) -> Ints:
     corners = directions[triangles]
     edge = np.linalg.norm(corners[:, [1, 2, 0]] - corners[:, [2, 0, 1]], axis=2)  # opposite each
     doubled = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
     radius = edge.prod(axis=1) / np.maximum(2 * doubled, 1e-300)
-    kept = radius <= _LARGEST_CIRCLE * third[triangles].max(axis=1)
+    kept = radius <= _LARGEST_CIRCLE * spacing[triangles].max(axis=1)
     triangles, edge = triangles[kept], edge[kept]
     while len(triangles):
         flat = _outer_angle(triangles, edge) > _FLATTEST_RAD

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from omma.base.arrays import Flags, Floats, Ints
 from omma.base.directions import angle_of_chord, normalized
 from omma.base.values import value_class
+from omma.eye.doubles import doubles
 from omma.eye.neighbours import Neighbours, direction_lattice, surface_lattice
 from omma.eye.skew import angle_between
 
@@ -26,11 +27,13 @@ _FLOORS = {"spacing": float(np.log(2)), "axis": 1.5, "position": 1.5}
 class Surroundings:
     """The lattices of N ommatidia by axis and by position, and how far neighbours are apart.
 
+    double_of: of which each is a double (`doubles`), -1 where of none: (N,).
     spacing: the mean angle to the neighbours in direction: (N,), NaN where there are none.
     on_surface, facet_spacing: the mean angle and distance to the neighbours on the surface.
     angles, lengths: of each pair of neighbours in direction and on the surface.
     """
 
+    double_of: Ints
     directions: Neighbours
     surface: Neighbours
     angles: Floats
@@ -43,11 +46,13 @@ class Surroundings:
 def surroundings(position: Floats, axis: Floats, eye_id: NDArray[np.int32]) -> Surroundings:
     """What lies around ommatidia at ``position`` (N, 3) that look along ``axis`` (N, 3), each
     eye's for itself."""
-    directions = direction_lattice(axis, eye_id)
-    surface = surface_lattice(position, eye_id)
+    double_of = doubles(position, axis, eye_id)
+    directions = direction_lattice(axis, eye_id, double_of)
+    surface = surface_lattice(position, eye_id, double_of)
     angles = angle_of_chord(_pair_lengths(axis, directions.pairs))
     lengths = _pair_lengths(position, surface.pairs)
     return Surroundings(
+        double_of,
         directions,
         surface,
         angles,
@@ -94,18 +99,26 @@ def _differing(
     usual = _median_over_neighbours(around.spacing, directions)
     # On a stretched surface those beside an ommatidium look farther apart than the nearest axes do.
     beside = _median_over_neighbours(around.on_surface, surface)
+    facets = _median_over_neighbours(around.facet_spacing, surface)
+    for which in np.unique(eye_id):
+        # One that is off the surface has no neighbours on it.
+        off = (eye_id == which) & np.isnan(facets)
+        known = facets[(eye_id == which) & ~off]
+        facets[off] = np.median(known) if len(known) else np.nan
+    # One without neighbours is infinitely far from them.
+    alone = np.isnan(around.spacing)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = {
-            "spacing": np.abs(np.log(around.spacing / usual)),
+            "spacing": np.where(alone, np.inf, np.abs(np.log(around.spacing / usual))),
             "axis": angle_or_nan(surface.mean_over_neighbours(axis), axis) / beside,
             "position": np.linalg.norm(position - directions.mean_over_neighbours(position), axis=1)
-            / _median_over_neighbours(around.facet_spacing, surface),
+            / facets,
         }
     found = {name: np.zeros(len(axis), bool) for name in values}
     for name, value in values.items():
         for which in np.unique(eye_id):
-            members = np.flatnonzero((eye_id == which) & np.isfinite(value))
-            if len(members) < 8:
+            members = np.flatnonzero((eye_id == which) & ~np.isnan(value))
+            if np.isfinite(value[members]).sum() < 8:
                 continue
             middle = np.median(value[members])
             sd = 1.4826 * np.median(np.abs(value[members] - middle))
