@@ -82,10 +82,7 @@ def load_without_acceptance(path: PathLike, unit: str | float) -> Eye:
     are 0, and nothing is told of any."""
     if not _is_csv(path):
         return load_eye(path, unit)
-    eye = load_csv(path, "0")
-    for sentence in _core.unusual_of(eye):
-        warn_caller(f"{eye.path}: {sentence}", UserWarning)
-    return eye
+    return made_told(load_csv(path, "0"), os.fsdecode(path))
 
 
 def _is_csv(path: PathLike) -> bool:
@@ -98,11 +95,11 @@ def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
     return eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
 
 
-def warn_of_unusual(eye: Eye) -> None:
+def warn_of_unusual(eye: Eye, name: str = "") -> None:
     """Tell the caller of the package which numbers of an eye no animal has: slips of units,
-    mostly."""
+    mostly. ``name`` is what it is called; by default its file's."""
     for sentence in slips_in(eye):
-        warn_caller(f"{eye.path or 'eye'}: {sentence}", UserWarning)
+        warn_caller(f"{name or eye.path or 'eye'}: {sentence}", UserWarning)
 
 
 def slips_in(eye: Eye) -> list[str]:
@@ -133,6 +130,14 @@ def _other_width(eye: Eye) -> list[str]:
             "responses are by the second, what is measured of the eye by the first"
         ]
     return []
+
+
+def made_told(eye: Eye, name: str) -> Eye:
+    """The eye, which is made of what ``name`` says; the caller of the package is told which of its
+    numbers no animal has."""
+    for sentence in _core.unusual_of(eye):
+        warn_caller(f"{name}: {sentence}", UserWarning)
+    return eye
 
 
 def changed_told(before: Eye, changed: Eye) -> Eye:
