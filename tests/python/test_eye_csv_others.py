@@ -186,6 +186,62 @@ def test_gaps_beside_kernels_and_eyes_without_any(tmp_path):
         omma.load_eye(path, missing_acceptance="neighbours")
 
 
+@pytest.fixture
+def without(tmp_path):
+    """Positions and axes, as of a scan: without a column of acceptance angles, and with an empty
+    one."""
+    column = [row[:ACCEPTANCE] + row[ACCEPTANCE + 1 :] for row in rows()]
+    empty = [[*row[:ACCEPTANCE], "", *row[ACCEPTANCE + 1 :]] for row in rows()]
+    paths = tmp_path / "none.csv", tmp_path / "empty.csv"
+    header = HEADER.replace("acceptance_angle_deg,", "")
+    paths[0].write_text("# of a scan\n" + csv_of(header, column).replace(",", ";"))
+    paths[1].write_text(csv_of(cells=empty))
+    return paths
+
+
+def test_a_table_without_any_acceptance_angles_has_a_way_in(without, whole):
+    advice = r'none of 12 ommatidia has one: load_eye\(missing_acceptance="interommatidial"\)'
+    for path in without:
+        for missing in ("refuse", "neighbours"):
+            with pytest.raises(omma.Error, match=f"{advice}.*omma eye acceptance --deg") as told:
+                omma.load_eye(path, missing_acceptance=missing)
+            assert 'missing_acceptance="neighbours"' not in str(told.value)
+        with pytest.warns(UserWarning, match="12 of 12 .* interommatidial angle, .*not measured"):
+            eye = omma.load_eye(path, missing_acceptance="interommatidial")
+        assert eye.acceptance_angle_rad == pytest.approx(whole.interommatidial_angle_rad())
+        assert (eye.position_m == whole.position_m).all()
+        assert eye.path == str(path)
+
+
+def test_interommatidial_angles_fill_gaps_beside_kernels(tmp_path):
+    path = tmp_path / "eye.csv"
+    head = "azimuth_deg,elevation_deg,kernel,kernel_wavelength_nm,facet_diameter_um"
+    path.write_text("\n".join([head, "0,0,,,25", "2,0,airy,500,25", "4,0,,,25"]))
+    with pytest.warns(UserWarning, match="2 of 3 ommatidia without"):
+        eye = omma.load_eye(path, missing_acceptance="interommatidial")
+    assert np.degrees(eye.acceptance_angle_rad[[0, 2]]) == pytest.approx([3, 3], abs=1e-5)
+    assert eye.acceptance(1).kernel == "airy"
+    path.write_text("azimuth_deg,elevation_deg\n0,0\n")
+    with pytest.raises(omma.Error, match="ommatidium 0: it has no neighbour"):
+        omma.load_eye(path, missing_acceptance="interommatidial")
+
+
+def test_acceptance_takes_tables_without_any(without, tmp_path, run_omma):
+    out = tmp_path / "out.csv"
+    for path in without:
+        for rule, expected_deg in ((["--degrees", "2.5"], 2.5), (["--ratio", "1"], None)):
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                assert run_omma("eye", "acceptance", path, *rule, "-o", out)[0] == 0
+                eye = omma.load_eye(out)
+            apart = np.degrees(eye.interommatidial_angle_rad())
+            expected = expected_deg or apart
+            assert np.degrees(eye.acceptance_angle_rad) == pytest.approx(expected, rel=1e-5)
+        code, _, err = run_omma("eye", "acceptance", path, "--factor", "2", "-o", out)
+        assert code == 1
+        assert "omma eye acceptance --degrees or --ratio" in err
+
+
 def test_gaps_are_of_csv_alone(tmp_path, whole):
     omma.save_eye(tmp_path / "eye.glb", whole)
     with pytest.raises(omma.Error, match=r"only \.csv files can have gaps"):

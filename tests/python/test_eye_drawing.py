@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from conftest import make_eye
+from conftest import make_eye, svg_texts
 
 import omma
 from omma.picture.drawing import _Drawing, _length, _round_length, view_from
@@ -77,6 +77,33 @@ def test_an_eye_at_a_point_is_drawn_along_its_axes():
     assert drawing.start == pytest.approx(SIX[:, :2] * drawing.length, abs=1e-6)
     assert (drawing.diameter > 0).all()
     assert not seen(eye, 180, 0, style="axes").lifted
+
+
+def test_one_ommatidium_is_its_facet(tmp_path):
+    one = omma.Eye(1e-3 * SIX[:1], SIX[:1], 0.1, facet_diameter_m=18e-6)
+    drawing = seen(one, 0, 0)
+    assert drawing.diameter == pytest.approx([0.018])
+    assert drawing.notes() == []
+    omma.picture.draw_eye(tmp_path / "a.svg", one)
+    said = svg_texts(tmp_path / "a.svg")
+    assert "1 ommatidium, seen from yaw 0°, pitch 0°" in said
+    assert "5 µm" in said  # the bar
+    omma.picture.draw_eye(tmp_path / "a.svg", one.replace(facet_diameter_m=0.0))
+    said = svg_texts(tmp_path / "a.svg")
+    assert "not to scale: its facet's diameter is not known" in said
+    assert not any(words.endswith(("mm", "µm")) for words in said)
+
+
+def test_the_title_says_which_ommatidia_are_counted(tmp_path):
+    at_point = omma.Eye(np.zeros((8, 3)), np.tile(SIX[:1], (8, 1)), 0.1)
+    head = omma.eye.merge_eyes([omma.eye.generate_eye(100), at_point])
+    omma.picture.draw_eye(tmp_path / "a.svg", head, colour="none")
+    said = svg_texts(tmp_path / "a.svg")
+    facing = len(seen(head, 0, 0).shown)
+    assert 8 < facing < 108
+    title = f"108 ommatidia, seen from yaw 0°, pitch 0°: {facing} face the viewer"
+    assert title in said
+    assert "8 at one point with others: no facets to be seen" in said
 
 
 @pytest.mark.parametrize(

@@ -128,6 +128,31 @@ def test_both_eyes_of_a_scan_are_told_apart():
     assert any("850 ommatidia of the left one (eye_id 0)" in note for note in found.notes)
 
 
+def test_a_scans_origin_off_the_midline_is_noted():
+    lens, _, tip, _ = pair_of_caps(300)
+    off = np.array([3000.0, 0, 0])
+    whole = omma.eye.scans.import_lens_cone(lens, tip)
+    assert not any("origin" in note for note in whole.notes)
+    found = omma.eye.scans.import_lens_cone(lens + off, tip + off)
+    (note,) = [note for note in found.notes if "origin" in note]
+    assert "is at (3, " in note
+    assert "place_on_head(eye, (-0.003, " in note
+    back = omma.eye.place_on_head(found.eye, (-0.003, 0, 0))
+    skew = [np.median(omma.eye.measure_eye(e).skew_head_rad) for e in (whole.eye, back, found.eye)]
+    assert skew[1] == pytest.approx(skew[0], rel=1e-3)
+    assert skew[2] > 2 * skew[0]
+
+
+def test_another_unit_than_the_scans_is_warned_of(tmp_path):
+    lens, normal = grid(8)
+    with pytest.warns(UserWarning, match="lenses and cones: position_m .*no animal's .*eye radius"):
+        omma.eye.scans.import_lens_cone(lens, lens - 40 * normal, "m")
+    path = tmp_path / "ommatidial_data.csv"
+    oda_file(path, lens, normal)
+    with pytest.warns(UserWarning, match="ommatidial_data.csv: position_m .*no animal's"):
+        omma.eye.scans.import_oda(path, "m")
+
+
 def test_left_and_right_follow_from_ahead_and_up():
     lens, _, tip, side = pair_of_caps(300, 200)
     # In this scan +x is up, -y ahead and +z the animal's right.
@@ -210,7 +235,8 @@ def test_positions_as_imaris_exports_them(tmp_path, unit, options):
     assert found.eye.position_m == pytest.approx(lens * 1e-6, rel=1e-5, abs=1e-10)
     assert found.eye.axis == pytest.approx(normal, abs=1e-4)
     # A unit that is given goes before what the file says.
-    given = omma.eye.scans.import_lens_cone(*files, "m")
+    with pytest.warns(UserWarning, match="no animal's"):
+        given = omma.eye.scans.import_lens_cone(*files, "m")
     assert given.eye.position_m == pytest.approx(lens * scale, rel=1e-5, abs=1e-4)
 
 

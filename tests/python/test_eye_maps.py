@@ -151,6 +151,19 @@ def test_figure_of_chosen_properties(tmp_path):
         assert words in said
 
 
+def test_maps_are_made_in_pieces_that_are_told(monkeypatch):
+    eye = omma.eye.merge_eyes([omma.eye.generate_eye(60), omma.eye.generate_eye(80)])
+    measures = omma.eye.measure_eye(eye)
+    whole = make_map(measures, "mollweide", 100)
+    monkeypatch.setattr("omma.picture.eye_maps._PIECE", 500)
+    shares = []
+    parts = make_map(measures, "mollweide", 100, lambda _, share: shares.append(share))
+    assert np.array_equal(parts.ommatidium, whole.ommatidium)
+    assert np.array_equal(parts.seen, whole.seen)
+    assert len(shares) == 2 * 8
+    assert shares == sorted(set(shares))
+
+
 def test_what_is_the_same_throughout_needs_no_colours(tmp_path):
     plot_eye_maps(tmp_path / "a.svg", make_eye(50), ["acceptance"])
     assert "acceptance angle Δρ (°): 5 throughout" in svg_texts(tmp_path / "a.svg")

@@ -418,6 +418,29 @@ def test_command(tmp_path, monkeypatch, run_omma):
     assert "100.0% of the field" in out
 
 
+def test_axes_into_the_eye_are_told(tmp_path, monkeypatch, run_omma):
+    monkeypatch.chdir(tmp_path)
+    eye = on_sphere(cap(35, 2000, (0, 0, 1)))  # blind straight ahead, at an elevation of 0
+    count = len(eye)
+    summary = eye_summary(eye, measure_eye(eye))
+    assert summary["inward"] == []
+    omma.save_eye("out.csv", eye)
+    out = run_omma("eye", "info", "out.csv")[1]
+    assert "into the eye" not in out
+    assert "-0°" not in out
+    for number, inward, words in (
+        (count, np.arange(count), f"{count} of {count} axes point into the eye\n"),
+        (1, np.array([7]), f"1 of {count} axes point into the eye: 7\n"),
+    ):
+        axis = eye.axis.copy()
+        axis[inward] *= -1
+        omma.save_eye("in.csv", eye.replace(axis=axis))
+        code, out, _ = run_omma("eye", "info", "in.csv", "--json", "in.json")
+        assert code == 0
+        assert f"looks wrong  {words}" in out
+        assert len(json.loads(Path("in.json").read_text())["inward"]) == number
+
+
 def test_command_says_what_is_wrong(tmp_path, monkeypatch, run_omma):
     monkeypatch.chdir(tmp_path)
     omma.save_eye("a.eye", omma.eye.generate_eye(50))

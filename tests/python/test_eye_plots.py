@@ -151,6 +151,27 @@ def test_poster_of_an_eye_of_which_little_is_known(tmp_path):
     assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
 
 
+def test_poster_of_an_eye_behind_one_lens(tmp_path):
+    """Its facets are made up, which is said, and what only facets have is left out."""
+    eye = omma.eye.generate_eye(60).replace(facet_diameter_m=500e-6)
+    camera = eye.replace(position_m=np.tile([2e-4, 0, -1e-3], (60, 1)))
+    told = []
+    plot_poster(tmp_path / "a.svg", camera, progress=lambda *one: told.append(one))
+    said = svg_texts(tmp_path / "a.svg")
+    assert said.count("an eye's ommatidia are all at one point: drawn 1 mm out") == 3
+    assert "acceptance Δρ" in said
+    for words in ("touching facets", "D·Δφ"):
+        assert not any(words in one for one in said)
+    # Positions that are left out are 0: its facets may be those of an apposition eye.
+    plot_poster(tmp_path / "b.svg", eye.replace(position_m=np.zeros((60, 3))))
+    said = svg_texts(tmp_path / "b.svg")
+    assert "eye parameter D·Δφ" in said
+    assert "touching facets, mean" not in said
+    shares = [share for stage, share in told if stage == "drawing"]
+    assert len(shares) > 5
+    assert shares == sorted(set(shares))
+
+
 def test_poster_of_a_species_names_the_standing_of_each_fact(tmp_path):
     bee = omma.species.make("honeybee_worker")
     small = omma.species.Species(bee.name, bee.latin, bee.eye.take(range(0, 10760, 10)), bee.facts)

@@ -374,7 +374,8 @@ def test_what_is_assumed_and_lost_is_said(tmp_path, columns, words):
 
 def test_degrees_and_their_suspicion(tmp_path):
     path = old_file(tmp_path, 7, ["0 0 1 0 0 1 2.0", "0 1 0 0 1 0 1.0"])
-    plain = omma.eye.convert_eye(path)
+    with pytest.warns(UserWarning, match=r"old\.eye: acceptance_angle_rad .* no animal's"):
+        plain = omma.eye.convert_eye(path)
     assert plain.eye.acceptance_angle_rad == pytest.approx([2, 1])
     assert any("114.6°" in note and "degrees" in note for note in plain.notes)
     degrees = omma.eye.convert_eye(path, degrees=True)

@@ -19,7 +19,7 @@ from omma.cli.numbers import acceptance_angle, finite, not_below_zero
 from omma.cli.parameters import option, out, switch
 from omma.cli.working import check_outputs, say, working
 from omma.eye.change import set_acceptance, split_eye
-from omma.eye.files import load_eye, load_head
+from omma.eye.files import load_eye, load_head, load_without_acceptance
 from omma.picture.drawing import draw_eye
 
 EYE_HELP = """
@@ -57,11 +57,16 @@ to the nearest axis, so that cones of that width touch at most. --compoundray-ma
 CompoundRay's adjuster, 2 (d - e/2) with d the angle to the nearest axis and e from that one to its
 own nearest; cones may then overlap.
 
+A .csv file may lack acceptance angles, as of a scan's positions and axes: all but --factor set
+them.
+
 **Examples**
 
 `omma eye acceptance honeybee.eye --degrees 2.6 -o even.eye`
 
 `omma eye acceptance honeybee.eye --ratio 1.1 -o sampled.eye`
+
+`omma eye acceptance positions_and_axes.csv --ratio 1 -o eye.csv`
 """
 
 DRAW_HELP = """
@@ -139,8 +144,9 @@ def acceptance(
             "--compoundray-maximal"
         )
     with working():
+        load = load_without_acceptance if factor is None else load_eye
         changed = set_acceptance(
-            load_eye(eye, unit),
+            load(eye, unit),
             angle_rad=None if degrees is None else math.radians(degrees),
             factor=factor,
             ratio=ratio,

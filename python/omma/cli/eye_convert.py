@@ -95,10 +95,11 @@ def convert(
         bool, switch("--degrees", "Acceptance angles of the .eye file are degrees.")
     ] = False,
     missing_acceptance: Annotated[
-        Literal["refuse", "neighbours"],
+        Literal["refuse", "neighbours", "interommatidial"],
         option(
             "What becomes of ommatidia of a .csv file without an acceptance angle: neighbours "
-            "gives them the mean of the six that look nearest."
+            "gives them the mean of the six that look nearest, interommatidial the mean angle to "
+            "those."
         ),
     ] = "refuse",
     lossy: Annotated[

@@ -21,7 +21,7 @@ from omma.cli.parameters import argument, option, out, switch
 from omma.cli.working import check_outputs, readable, say, working
 from omma.eye.files import load_head
 from omma.eye.measures import DIFFRACTION_LIMIT, diffraction_limit_m_rad, measure_eye
-from omma.eye.report import SPREADS, eye_summary, save_eye_table
+from omma.eye.report import SPREADS, direction_text, eye_summary, save_eye_table
 from omma.picture.acceptance_plots import Chosen, plot_acceptance
 from omma.picture.drawing import draw_eye
 from omma.picture.eye_maps import plot_eye_maps
@@ -269,8 +269,7 @@ def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
         (
             "blind" if k == 0 else "",
             f"{zone['solid_angle_sr']:.3g} sr; a cone of {zone['radius_deg']:.1f}° half angle fits "
-            f"in, around azimuth {zone['azimuth_deg']:.0f}°, elevation "
-            f"{zone['elevation_deg']:.0f}°",
+            f"in, around {direction_text(zone['azimuth_deg'], zone['elevation_deg'])}",
         )
         for k, zone in enumerate(zones[:_MOST_NAMED])
     ]
@@ -282,7 +281,13 @@ def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
 def _odd_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
     odd = [f"{o['ommatidium']} ({o['differs_in']})" for o in summary["outliers"]]
     same = [f"{d['ommatidium']} (as {d['same_as']})" for d in summary["duplicates"]]
-    return [("outliers", _listed(odd)), ("duplicates", _listed(same))]
+    lines = [("outliers", _listed(odd)), ("duplicates", _listed(same))]
+    inward = summary["inward"]
+    if inward:
+        named = f": {', '.join(map(str, inward))}" if len(inward) <= _MOST_NAMED else ""
+        told = f"{len(inward):,} of {summary['ommatidia']:,} axes point into the eye{named}"
+        lines.append(("looks wrong", told))
+    return lines
 
 
 def _listed(names: list[str]) -> str:

@@ -19,12 +19,15 @@ import numpy as np
 
 from omma import _core
 from omma._core import Error, Eye
+from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike, open_text
 from omma.base.tables import MISSING, decimal_point, separator_of
 from omma.base.warn import warn_caller
 from omma.eye.alike_columns import instead_of_needed, left_unread
 
+# What becomes of ommatidia without an acceptance angle and a kernel.
+MISSING_ACCEPTANCE = ("refuse", "neighbours", "interommatidial")
 # Of how many nearest ommatidia a gap is filled.
 _NEAREST = 6
 _ACCEPTANCE = "acceptance_angle_"
@@ -48,40 +51,45 @@ class _Table:
 
     def gaps(self) -> list[int]:
         """Numbers of the ommatidia that have neither an acceptance angle nor a kernel."""
-        column = next((k for k, one in enumerate(self.names) if one.startswith(_ACCEPTANCE)), None)
-        if column is None:
-            return []
+        column = self._column()
         kernel = self.names.index("kernel") if "kernel" in self.names else len(self.names)
         return [
             number
             for number, cells in enumerate(self.records[1:])
-            if column < len(cells)
-            and cells[column].lower() in MISSING
+            if (column is None or (column < len(cells) and cells[column].lower() in MISSING))
             and (kernel >= len(cells) or not cells[kernel])
         ]
 
+    def _column(self) -> int | None:
+        """Which one has acceptance angles; None where there is none."""
+        return next((k for k, one in enumerate(self.names) if one.startswith(_ACCEPTANCE)), None)
+
     def text(self, filled: list[int]) -> str:
-        """With commas and points, each record in its line; those without an angle have 0."""
+        """With commas and points, each record in its line; those of ``filled`` have the angle 0, in
+        a column made for it where there is none."""
         made = io.StringIO()
         made.write(self.comments)
         writer = csv.writer(made, lineterminator="\n")
-        column = next((k for k, one in enumerate(self.names) if one.startswith(_ACCEPTANCE)), 0)
+        column = self._column()
         gaps = set(filled)
         line = self.lines[0]
         for number, (cells, at) in enumerate(zip(self.records, self.lines, strict=True), start=-1):
             made.write("\n" * (at - line))
             if number >= 0 and self.between != ",":
                 cells = [decimal_point(cell) for cell in cells]
-            if number in gaps:
+            if column is not None and number in gaps:
                 cells = [*cells[:column], "0", *cells[column + 1 :]]
+            elif column is None and filled:
+                added = f"{_ACCEPTANCE}deg" if number < 0 else "0" if number in gaps else ""
+                cells = [*cells, added]
             writer.writerow(cells)
             line = at + 1 + sum(cell.count("\n") for cell in cells)
         return made.getvalue()
 
 
-def load_csv(path: PathLike, *, fill_gaps: bool) -> Eye:
-    """An eye from a CSV file; ``fill_gaps``: acceptance angles that lack are the mean of those that
-    look nearest.
+def load_csv(path: PathLike, missing: str) -> Eye:
+    """An eye from a CSV file; ``missing`` says what becomes of ommatidia without an acceptance
+    angle: one of `MISSING_ACCEPTANCE`, or "0", which is theirs until they are given others.
 
     Raises:
         omma.Error: it cannot be read; it says what may help.
@@ -90,12 +98,12 @@ def load_csv(path: PathLike, *, fill_gaps: bool) -> Eye:
     header = _header(path)
     between = "," if "," in header else separator_of(header)
     try:
-        if between == "," and not fill_gaps and _is_plain(path):
+        if between == "," and missing == "refuse" and _is_plain(path):
             eye = _core.load_eye(path, 1e-3, "")
         else:
-            eye = _read_anew(_read(path, between), name, fill_gaps)
+            eye = _read_anew(_read(path, between), name, missing)
     except Error as error:
-        raise Error(f"{error}{_hint(path, between)}") from None
+        raise Error(f"{error}{_hint(path, between, missing)}") from None
     for sentence in left_unread(_cells(header, between)):
         warn_caller(f"{name}: {sentence}", UserWarning)
     return eye
@@ -161,9 +169,14 @@ def _records(
         yield line, cells
 
 
-def _read_anew(table: _Table, name: str, fill_gaps: bool) -> Eye:
-    gaps = table.gaps() if fill_gaps else []
-    return _filled(_read_copy(table, name, gaps), gaps)
+def _read_anew(table: _Table, name: str, missing: str) -> Eye:
+    gaps = [] if missing == "refuse" else table.gaps()
+    eye = _read_copy(table, name, gaps)
+    if not gaps or missing == "0":
+        return eye
+    angle = (_of_neighbours if missing == "neighbours" else _as_far_as_neighbours)(eye, gaps)
+    own = [eye.acceptances[k] if k >= 0 else None for k in eye.acceptance_of.tolist()]
+    return eye.replace(acceptance_angle_rad=angle, acceptance=own)
 
 
 def _read_copy(table: _Table, name: str, gaps: list[int]) -> Eye:
@@ -182,10 +195,28 @@ def _read_copy(table: _Table, name: str, gaps: list[int]) -> Eye:
     return eye.replace(path=name)
 
 
-def _filled(eye: Eye, gaps: list[int]) -> Eye:
-    """The eye with acceptance angles where there are gaps."""
-    if not gaps:
-        return eye
+def _as_far_as_neighbours(eye: Eye, gaps: list[int]) -> Floats:
+    """Acceptance angles (N,): where there are gaps the local interommatidial angles."""
+    angle = eye.acceptance_angle_rad.astype(np.float64)
+    apart = eye.interommatidial_angle_rad().astype(np.float64)[gaps]
+    if not (apart > 0).all():
+        raise Error(
+            f"{eye.path}: expected an interommatidial angle in place of each acceptance angle that "
+            f"lacks, found none of ommatidium {gaps[int(np.argmin(apart > 0))]}: it has no "
+            "neighbour, or only ones with the same axis"
+        )
+    angle[gaps] = apart
+    warn_caller(
+        f"{eye.path}: {len(gaps):,} of {len(eye):,} ommatidia without an acceptance angle have "
+        f"their interommatidial angle, {np.degrees(np.median(apart)):.3g} degrees in the median: "
+        "it is assumed, not measured",
+        UserWarning,
+    )
+    return angle
+
+
+def _of_neighbours(eye: Eye, gaps: list[int]) -> Floats:
+    """Acceptance angles (N,): where there are gaps the mean of those that look nearest."""
     angle = eye.acceptance_angle_rad.astype(np.float64)
     axis = eye.axis.astype(np.float64)
     known = (eye.acceptance_of < 0) & (angle > 0)
@@ -208,8 +239,7 @@ def _filled(eye: Eye, gaps: list[int]) -> Eye:
         f"{np.degrees(angle_of_chord(np.array(farthest))):.3g} degrees off",
         UserWarning,
     )
-    own = [eye.acceptances[k] if k >= 0 else None for k in eye.acceptance_of.tolist()]
-    return eye.replace(acceptance_angle_rad=angle, acceptance=own)
+    return angle
 
 
 def _reads_filled(table: _Table, gaps: list[int]) -> bool:
@@ -221,17 +251,32 @@ def _reads_filled(table: _Table, gaps: list[int]) -> bool:
     return True
 
 
-def _hint(path: PathLike, between: str) -> str:
+def _hint(path: PathLike, between: str, missing: str) -> str:
     """What may help a file that was refused, for the end of the error."""
     try:
         table = _read(path, between)
     except Error:
         return ""
+    alike = instead_of_needed(table.names)
     gaps = table.gaps()
-    if gaps and _reads_filled(table, gaps):
+    if alike or missing not in ("refuse", "neighbours") or not gaps:
+        return alike
+    if not _reads_filled(table, gaps):
+        return ""
+    every = len(table.records) - 1
+    if len(gaps) < every and missing == "refuse":
         return (
-            f"; {len(gaps):,} of {len(table.records) - 1:,} ommatidia lack one: "
+            f"; {len(gaps):,} of {every:,} ommatidia lack one: "
             'load_eye(missing_acceptance="neighbours"), or omma eye convert --missing-acceptance '
             f"neighbours, gives them the mean of the {_NEAREST} that look nearest"
         )
-    return instead_of_needed(table.names)
+    told = (
+        f"; none of {every:,} ommatidia has one"
+        if len(gaps) == every
+        else f"; {len(gaps):,} of {every:,} ommatidia lack one"
+    )
+    return (
+        f'{told}: load_eye(missing_acceptance="interommatidial"), or omma eye convert '
+        "--missing-acceptance interommatidial, gives them the angles to their neighbours; omma eye "
+        "acceptance --degrees or --ratio sets those of all"
+    )

@@ -14,7 +14,7 @@ from omma.base.addresses import expect_local
 from omma.base.arguments import checked, one_of
 from omma.base.files import PathLike, metres_per_unit
 from omma.base.warn import warn_caller
-from omma.eye.csv_files import load_csv
+from omma.eye.csv_files import MISSING_ACCEPTANCE, load_csv
 
 # Kinds of angular sensitivity whose width is compared with what an eye states.
 _MOST_KINDS = 8
@@ -23,8 +23,6 @@ _MOST_KINDS = 8
 OCES_SUFFIXES = (".gltf", ".glb")
 # Files that eyes are written to.
 EYE_SUFFIXES = (".csv", *OCES_SUFFIXES, ".eye")
-# What becomes of ommatidia without an acceptance angle.
-MISSING_ACCEPTANCE = ("refuse", "neighbours")
 
 
 @checked
@@ -50,9 +48,11 @@ def load_eye(
             formats say theirs themselves.
         head: name or number of the head whose eyes are meant, where an OCES file has several.
         missing_acceptance: what becomes of ommatidia of a `.csv` file that have neither an
-            acceptance angle (the cell is empty, NaN, NA, none or null) nor a kernel: "refuse" them,
-            or "neighbours", the mean of the six with an acceptance angle, of the same eye, that
-            look nearest. That is no measurement: it says what those around are like.
+            acceptance angle (the cell is empty, NaN, NA, none or null, or there is no such column)
+            nor a kernel: "refuse" them; "neighbours", the mean of the six with an acceptance angle,
+            of the same eye, that look nearest; or "interommatidial", the mean angle to the (up to)
+            six nearest axes of the same eye, which a table without any acceptance angles needs.
+            Neither is a measurement. `set_acceptance` sets others.
 
     Raises:
         omma.Error: the file is missing or wrong; it names the file and says where in it.
@@ -66,15 +66,27 @@ def load_eye(
     metres = metres_per_unit(unit)
     if head is not None and Path(os.fsdecode(path)).suffix.lower() not in OCES_SUFFIXES:
         raise Error(f"{os.fsdecode(path)}: only .gltf and .glb files have heads to choose from")
-    fill_gaps = one_of(missing_acceptance, MISSING_ACCEPTANCE, "missing_acceptance") != "refuse"
-    if Path(os.fsdecode(path)).suffix.lower() == ".csv":
-        eye = load_csv(path, fill_gaps=fill_gaps)
-    elif fill_gaps:
+    one_of(missing_acceptance, MISSING_ACCEPTANCE, "missing_acceptance")
+    if _is_csv(path):
+        eye = load_csv(path, missing_acceptance)
+    elif missing_acceptance != "refuse":
         raise Error(f"{os.fsdecode(path)}: only .csv files can have gaps in acceptance angles")
     else:
         eye = _core.load_eye(path, metres, "" if head is None else str(head))
     warn_of_unusual(eye)
     return eye
+
+
+def load_without_acceptance(path: PathLike, unit: str | float) -> Eye:
+    """The eye of a file whose acceptance angles are to be replaced: those that a `.csv` file lacks
+    are 0, and nothing is told of any."""
+    if not _is_csv(path):
+        return load_eye(path, unit)
+    return made_told(load_csv(path, "0"), os.fsdecode(path))
+
+
+def _is_csv(path: PathLike) -> bool:
+    return Path(os.fsdecode(path)).suffix.lower() == ".csv"
 
 
 def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
@@ -83,11 +95,11 @@ def load_head(paths: Sequence[PathLike], unit: str | float = "mm") -> Eye:
     return eyes[0] if len(eyes) == 1 else _core.merge_eyes(eyes)
 
 
-def warn_of_unusual(eye: Eye) -> None:
+def warn_of_unusual(eye: Eye, name: str = "") -> None:
     """Tell the caller of the package which numbers of an eye no animal has: slips of units,
-    mostly."""
+    mostly. ``name`` is what it is called; by default its file's."""
     for sentence in slips_in(eye):
-        warn_caller(f"{eye.path or 'eye'}: {sentence}", UserWarning)
+        warn_caller(f"{name or eye.path or 'eye'}: {sentence}", UserWarning)
 
 
 def slips_in(eye: Eye) -> list[str]:
@@ -118,6 +130,14 @@ def _other_width(eye: Eye) -> list[str]:
             "responses are by the second, what is measured of the eye by the first"
         ]
     return []
+
+
+def made_told(eye: Eye, name: str) -> Eye:
+    """The eye, which is made of what ``name`` says; the caller of the package is told which of its
+    numbers no animal has."""
+    for sentence in _core.unusual_of(eye):
+        warn_caller(f"{name}: {sentence}", UserWarning)
+    return eye
 
 
 def changed_told(before: Eye, changed: Eye) -> Eye:

@@ -12,7 +12,7 @@ from omma.base.arguments import checked
 from omma.base.arrays import Floats
 from omma.base.files import PathLike, metres_per_unit, open_text
 from omma.base.values import value_class
-from omma.eye.files import slips_in
+from omma.eye.files import warn_of_unusual
 
 
 @value_class
@@ -41,6 +41,9 @@ def convert_eye(path: PathLike, unit: str | float = "mm", *, degrees: bool = Fal
     Raises:
         omma.Error: the file cannot be read, a line has another number of columns than the first or
             something that is no number, or what the columns say is no eye.
+
+    Warns:
+        UserWarning: numbers that no animal has, mostly in another unit.
     """
     name = os.fsdecode(path)
     table = _read_table(name)
@@ -74,7 +77,7 @@ def convert_eye(path: PathLike, unit: str | float = "mm", *, degrees: bool = Fal
         )
     except Error as error:
         raise Error(f"{name}: {error}") from None
-    notes += [f"{sentence}." for sentence in slips_in(eye)]
+    warn_of_unusual(eye, name)
     return ConvertedEye(eye, columns, tuple(notes))
 
 

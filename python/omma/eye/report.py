@@ -9,7 +9,7 @@ import numpy as np
 
 from omma._core import Eye
 from omma.base.arguments import checked
-from omma.base.arrays import Floats
+from omma.base.arrays import Flags, Floats
 from omma.base.directions import azimuth_elevation_deg_of
 from omma.base.files import PathLike, check_ending, write_whole
 from omma.base.tables import csv_text
@@ -42,22 +42,26 @@ SPREADS: tuple[tuple[str, str, str], ...] = (
 def eye_table(eye: Eye, measures: EyeMeasures) -> dict[str, np.ndarray[Any, Any]]:
     """What is known of each ommatidium: name with unit to (N,) values, NaN where not known."""
     azimuth, elevation = azimuth_elevation_deg_of(eye.axis)
+    # Where all of an eye's positions are one, no facets touch; where that is a place and not left
+    # out, which is 0, all look through one lens, whose diameter says nothing of their sampling.
+    apart = ~_at_one_point(eye, measures)
+    lens = ~apart & eye.position_m.any(axis=1)
     return {
         "ommatidium": np.arange(len(eye)),
         "eye": measures.eye_id,
         "azimuth_deg": azimuth,
         "elevation_deg": elevation,
         "interommatidial_deg": measures.interommatidial_rad * _DEGREE,
-        "smaller_deg": measures.smaller_rad * _DEGREE,
-        "larger_deg": measures.larger_rad * _DEGREE,
+        "smaller_deg": np.where(apart, measures.smaller_rad * _DEGREE, np.nan),
+        "larger_deg": np.where(apart, measures.larger_rad * _DEGREE, np.nan),
         "horizontal_deg": measures.horizontal_rad * _DEGREE,
         "vertical_deg": measures.vertical_rad * _DEGREE,
-        "surface_angle_deg": measures.surface_angle_rad * _DEGREE,
+        "surface_angle_deg": np.where(apart, measures.surface_angle_rad * _DEGREE, np.nan),
         "acceptance_deg": measures.acceptance_rad * _DEGREE,
         "ratio": measures.ratio,
         "facet_diameter_um": measures.facet_diameter_m * 1e6,
         "facet_spacing_um": measures.facet_spacing_m * 1e6,
-        "eye_parameter_um_rad": measures.eye_parameter_m_rad * 1e6,
+        "eye_parameter_um_rad": np.where(lens, np.nan, measures.eye_parameter_m_rad * 1e6),
         "sampling_cycles_per_deg": measures.sampling_per_rad / _DEGREE,
         "hexagonal_sampling_cycles_per_deg": measures.hexagonal_sampling_per_rad / _DEGREE,
         "skew_head_deg": measures.skew_head_rad * _DEGREE,
@@ -69,6 +73,15 @@ def eye_table(eye: Eye, measures: EyeMeasures) -> dict[str, np.ndarray[Any, Any]
         "duplicate_of": measures.duplicate_of,
         "outlier": measures.outlier,
     }
+
+
+def _at_one_point(eye: Eye, measures: EyeMeasures) -> Flags:
+    """Of which ommatidia the eye has all its positions, which are several, in one: (N,)."""
+    found = np.zeros(len(eye), bool)
+    for which in np.unique(measures.eye_id):
+        members = measures.eye_id == which
+        found[members] = members.sum() > 1 and not np.ptp(eye.position_m[members], axis=0).any()
+    return found
 
 
 @checked
@@ -89,7 +102,8 @@ def eye_summary(eye: Eye, measures: EyeMeasures) -> dict[str, Any]:
     """The whole eye in plain numbers, texts, lists and dicts, ready for JSON.
 
     ``spread`` has min, p5, median, p95 and max of each of `SPREADS`, and how many are known; angles
-    in degrees, solid angles in sr, indices from 0.
+    in degrees, solid angles in sr, indices from 0. ``inward`` has the ommatidia whose axes point
+    into the eye, towards the half that the centre of the sphere lies in that fits its positions.
     """
     table = eye_table(eye, measures)
     inner = ~measures.border
@@ -98,6 +112,8 @@ def eye_summary(eye: Eye, measures: EyeMeasures) -> dict[str, Any]:
     receptors = Counter(names[k] for k in eye.receptor_type.tolist())
     copies = np.flatnonzero(measures.duplicate_of >= 0)
     odd = np.flatnonzero(measures.outlier != "")
+    # The test of scans' lenses and cones: against the centre of the sphere that fits the eye.
+    inward = measures.skew_eye_rad > np.pi / 2
     return {
         "file": eye.path or None,
         "ommatidia": len(eye),
@@ -126,10 +142,22 @@ def eye_summary(eye: Eye, measures: EyeMeasures) -> dict[str, Any]:
             for zone in field.blind_zones
         ],
         "outliers": [{"ommatidium": int(i), "differs_in": str(measures.outlier[i])} for i in odd],
+        "inward": [int(i) for i in np.flatnonzero(inward)],
         "duplicates": [
             {"ommatidium": int(i), "same_as": int(measures.duplicate_of[i])} for i in copies
         ],
     }
+
+
+def has_surface(summary: dict[str, Any]) -> bool:
+    """Whether a summary knows angles of facets that touch."""
+    return bool(summary["spread"]["smaller_deg"]["known"])
+
+
+def direction_text(azimuth_deg: float, elevation_deg: float) -> str:
+    """A direction in whole degrees, in words."""
+    azimuth, elevation = (round(angle) for angle in (azimuth_deg, elevation_deg))
+    return f"azimuth {azimuth}°, elevation {elevation}°"
 
 
 def _kernels(eye: Eye) -> list[str]:

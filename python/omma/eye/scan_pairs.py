@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from omma._core import Error
+from omma._core import Error, Eye
 from omma.base.arrays import Floats, Ints
 from omma.base.progress import Progress
 
@@ -26,6 +26,10 @@ _MOST_ROUNDS = 20  # of fitting and matching; a few are usual
 # Lenses and tips are swapped where more than this share of axes points into the head, and lenses
 # are closer together than tips by more than marks set by hand are off.
 _SWAPPED_INWARD, _SWAPPED_NARROWER = 0.9, 0.99
+
+# The origin is off the midline by more than heads are uneven where that is over this share of the
+# distance between both eyes.
+_OFF_MIDLINE = 0.05
 
 
 def split_eyes(lens: Floats, cone: Floats, right: Floats) -> tuple[Ints, Ints]:
@@ -174,6 +178,23 @@ def checked_outward(lens: Floats, tip: Floats, of_eye: str) -> list[str]:
     return [
         f"Looks wrong: {int(inward.sum()):,} of {len(lens):,} axes {of_eye}point into the head, "
         "towards the middle of the sphere that fits the lenses. They were left as they are."
+    ]
+
+
+def off_the_midline(eye: Eye) -> list[str]:
+    """What there is to note of both eyes of a head, 0 and 1, whose origin is that of a scan: where
+    it is off their midline, or further off the middle between them than they are apart."""
+    left, right = (eye.position_m[eye.eye_id == k].mean(axis=0, dtype=np.float64) for k in (0, 1))
+    middle, apart = (left + right) / 2, float(np.linalg.norm(right - left))
+    if abs(middle[0]) <= _OFF_MIDLINE * apart and np.linalg.norm(middle) <= apart:
+        return []
+    middle = np.round(middle, 9) + 0.0  # without rounding of single precision, and no -0
+    x, y, z = middle * 1e3
+    back = ", ".join(f"{0 - value:.4g}" for value in middle)
+    return [
+        f"The origin is that of the scan: the middle between both eyes is at ({x:.4g}, {y:.4g}, "
+        f"{z:.4g}) mm. Skew from the head's centre is measured from the origin; "
+        f"place_on_head(eye, ({back})) puts that middle there."
     ]
 
 

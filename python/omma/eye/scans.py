@@ -14,7 +14,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma import _core
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked
 from omma.base.arrays import Floats
@@ -23,7 +22,14 @@ from omma.base.progress import Stage
 from omma.base.values import value_class
 from omma.eye.change import set_acceptance
 from omma.eye.facets import facet_diameters_m
-from omma.eye.scan_pairs import checked_outward, match_tips, sphere_centre, split_eyes
+from omma.eye.files import made_told
+from omma.eye.scan_pairs import (
+    checked_outward,
+    match_tips,
+    off_the_midline,
+    sphere_centre,
+    split_eyes,
+)
 from omma.eye.scan_tables import ScanTable, read_points
 
 __all__ = ["ImportedEye", "LensConeEye", "import_lens_cone", "import_oda"]
@@ -99,6 +105,9 @@ def import_oda(
     Raises:
         omma.Error: the file cannot be read, lacks a column or has something else in it; it names
             line and column.
+
+    Warns:
+        UserWarning: numbers that no animal has, mostly of another unit than ``unit``.
     """
     name = os.fsdecode(path)
     metres = metres_per_unit(unit)
@@ -145,7 +154,7 @@ def import_oda(
         0.0 if acceptance_angle_rad is None else acceptance_angle_rad,
         columns=columns,
     )
-    eye = _with_facets(eye, diameter, notes)
+    eye = _with_facets(eye, diameter, notes, name)
     if acceptance_angle_rad is None:
         eye = _with_assumed_acceptance(eye, acceptance_ratio, notes)
     return ImportedEye(eye, tuple(notes))
@@ -175,7 +184,8 @@ def import_lens_cone(
 
     Points of both eyes of a head, apart from each other by more than four times their spacing, are
     matched eye by eye; ``eye_id`` is then 0 for the left eye and 1 for the right one, which ``up``
-    and ``ahead`` tell apart.
+    and ``ahead`` tell apart. The origin stays that of the scan; where it is off the midline of
+    both eyes, a note says by how much, as skew from the head's centre is measured from there.
 
     Args:
         lenses, cones: (N, 3) points, or text files with a point a line: columns x, y, z, which a
@@ -195,6 +205,9 @@ def import_lens_cone(
             other: the error says what to do. Lenses and cones that are swapped: the axes of an eye
             point into the head and come together there. Where only one of the two holds, a note
             says so, and nothing is turned round.
+
+    Warns:
+        UserWarning: numbers that no animal has, mostly of another unit than ``unit``.
     """
     from scipy.spatial import cKDTree
 
@@ -279,7 +292,10 @@ def import_lens_cone(
             "doubtful": doubtful.astype(np.float64),
         },
     )
-    eye = _with_facets(eye, None, notes)
+    if two:
+        notes += off_the_midline(eye)
+    name = os.fsdecode(lenses) if isinstance(lenses, (str, os.PathLike)) else "lenses and cones"
+    eye = _with_facets(eye, None, notes, name)
     if acceptance_angle_rad is None:
         eye = _with_assumed_acceptance(eye, acceptance_ratio, notes)
     return LensConeEye(
@@ -349,7 +365,7 @@ def _rotation(ahead: ArrayLike, up: ArrayLike) -> Floats:
     return np.stack([right, np.cross(right, front), -front])
 
 
-def _with_facets(eye: Eye, diameter_m: Floats | None, notes: list[str]) -> Eye:
+def _with_facets(eye: Eye, diameter_m: Floats | None, notes: list[str], name: str) -> Eye:
     """The eye with facets of these diameters, or as wide as neighbours are apart."""
     spacing = facet_diameters_m(eye)
     if diameter_m is None:
@@ -360,9 +376,7 @@ def _with_facets(eye: Eye, diameter_m: Floats | None, notes: list[str]) -> Eye:
         diameter_m = np.where(unknown, spacing, diameter_m)
         if unknown.any():
             notes.append(f"Facet diameters of {int(unknown.sum())} ommatidia are from distances.")
-    eye = eye.replace(facet_diameter_m=diameter_m)
-    notes += [f"{sentence}." for sentence in _core.unusual_of(eye)]
-    return eye
+    return made_told(eye.replace(facet_diameter_m=diameter_m), name)
 
 
 def _with_assumed_acceptance(eye: Eye, ratio: float, notes: list[str]) -> Eye:

@@ -22,7 +22,7 @@ from omma.base.files import PathLike
 from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.neighbours import sides, surface_lattice, surface_normals
 from omma.eye.properties import EyeProperty, expect_property, eye_property, is_known
-from omma.picture.eye_maps import colour_scale, known_name
+from omma.picture.eye_maps import colour_scale, count_of, known_name
 
 Style = Literal["facets", "axes", "both"]
 
@@ -89,10 +89,14 @@ def draw_eye(
 
 def draw_view(
     panel: Any, eye: Eye, view: Floats, prop: EyeProperty, *, shape: float, scale: EyeProperty
-) -> None:
+) -> list[str]:
     """An eye's facets in a panel that is ``shape`` times as wide as high, filled as far as they
     go. With a scale bar of its own, and shaded where they turn away from the viewer. Colours mean
-    what they mean in a map of ``scale``."""
+    what they mean in a map of ``scale``.
+
+    Returns:
+        What is not as it looks, a note each.
+    """
     from matplotlib.colors import to_rgba
 
     drawing = _Drawing(eye, view, "facets", False, None)
@@ -117,8 +121,10 @@ def draw_view(
     colours[:, :3] *= (1 - _SHADE * (1 - np.clip(facing, 0, 1)))[:, None]
     marks.set_array(None)
     marks.set_facecolor(colours)
-    _scale_bar(panel, low, high)
+    if drawing.to_scale:
+        _scale_bar(panel, low, high)
     _compass(drawing, panel, low, high)
+    return drawing.notes()
 
 
 class _Drawing:
@@ -135,11 +141,17 @@ class _Drawing:
         self.lifted = False
         if style != "axes":
             self.diameter = _facet_diameters(position)
+            if len(eye) == 1:
+                self.diameter = eye.facet_diameter_m.astype(np.float64) * _MM
             # Eyes with all their ommatidia at a point have facets of no size there.
-            if np.median(self.diameter) <= 1e-4 * extent:
+            elif np.median(self.diameter) <= 1e-4 * extent:
                 position = position + axis * self.length
                 self.diameter = _facet_diameters(position)
                 self.lifted = True
+        # One ommatidium without a facet's diameter has a size of its own: none.
+        self.to_scale = style == "axes" or bool(self.diameter.any())
+        if not self.to_scale:
+            self.diameter = np.full(len(eye), self.length)
         self.normal = axis
         if style != "axes":
             self.normal = _normals(position, axis, eye.eye_id)
@@ -147,9 +159,23 @@ class _Drawing:
         self.shown = np.arange(len(eye)) if back else np.flatnonzero(towards > 0)
         depth = position @ view[2]
         self.shown = self.shown[np.argsort(depth[self.shown], kind="stable")]
+        # Beside others that have facets, an eye at a point has none that would be seen.
+        self.at_points = np.count_nonzero(self.diameter[self.shown] <= 1e-4 * extent)
         self.eye, self.style, self.view, self.position = eye, style, view, position
         self.start = (position @ view.T)[:, :2]
         self.along = (axis @ view.T)[:, :2]
+
+    def notes(self) -> list[str]:
+        """What is not as it looks."""
+        if self.style == "axes":
+            return []
+        if not self.to_scale:
+            return ["not to scale: its facet's diameter is not known"]
+        if self.lifted:
+            return [f"an eye's ommatidia are all at one point: drawn {_length(self.length)} out"]
+        if self.at_points:
+            return [f"{self.at_points:,} at one point with others: no facets to be seen"]
+        return []
 
 
 def view_from(yaw: float, pitch: float) -> Floats:
@@ -260,14 +286,12 @@ def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: 
             notes.append("grey: not known, at a rim for want of neighbours")
     if drawing.style != "axes":
         marks.set_edgecolor("#ffffff60")
-    if drawing.lifted:
-        notes.append(
-            f"an eye's ommatidia are all at one point: drawn {_length(drawing.length)} out"
-        )
+    notes += drawing.notes()
     # As many letters as fit, at 150 mm; smaller drawings have smaller type.
     words = [line for text in [*title.splitlines(), *notes] for line in textwrap.wrap(text, 82)]
     figure.suptitle("\n".join(words), color=INK, fontsize="medium")
-    _scale_bar(axes, low, high)
+    if drawing.to_scale:
+        _scale_bar(axes, low, high)
     _compass(drawing, axes, low, high)
     return figure
 
@@ -304,7 +328,7 @@ def _frame(drawing: _Drawing) -> tuple[Floats, Floats]:
     reach = drawing.start[shown]
     if drawing.style != "facets":
         reach = np.concatenate([reach, reach + drawing.along[shown] * drawing.length])
-    half = 0.5 * float(drawing.diameter.max())
+    half = float(drawing.diameter.max()) / math.sqrt(3)  # from a hexagon's middle to its corners
     low, high = reach.min(axis=0) - half, reach.max(axis=0) + half
     size = high - low
     width = float(max(size[0], 0.8 * size[1], 1e-9)) * 1.04
@@ -355,12 +379,9 @@ def _compass(drawing: _Drawing, axes: Any, low: Floats, high: Floats) -> None:
 
 def _title(eye: Eye, yaw_deg: float, pitch_deg: float, drawing: _Drawing) -> str:
     name = f"{known}\n" if (known := known_name(eye)) else ""
-    shown = (
-        f"{len(eye):,} ommatidia"
-        if len(drawing.shown) == len(eye)
-        else f"{len(drawing.shown):,} of {len(eye):,} ommatidia"
-    )
-    return f"{name}{shown}, seen from yaw {yaw_deg:g}°, pitch {pitch_deg:g}°"
+    facing = "" if len(drawing.shown) == len(eye) else f": {len(drawing.shown):,} face the viewer"
+    view = f"seen from yaw {yaw_deg:g}°, pitch {pitch_deg:g}°{facing}"
+    return f"{name}{count_of(len(eye))}, {view}"
 
 
 def _round_length(most: float) -> float:

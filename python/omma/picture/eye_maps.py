@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PIXELS = 1100  # across a map
+# Directions that are looked up between two reports of progress.
+_PIECE = 50_000
 #: What a map of an eye's property does not show in colours.
 MAP_NOTE = "hatched: no ommatidium looks there; grey: not known, at a rim for want of neighbours"
 
@@ -96,17 +98,21 @@ def make_map(
     shown = directions[inside]
     eyes = np.unique(measures.eye_id)
     seen = np.zeros((len(eyes), *inside.shape), bool)
+    pieces = np.array_split(np.arange(len(shown)), max(1, round(len(shown) / _PIECE)))
     for k, which in enumerate(eyes):
-        if progress is not None:
-            progress("map", k / len(eyes))
-        seen[k][inside] = in_field(
-            shown,
-            measures.axis,
-            measures.eye_id,
-            int(which),
-            measures.lattice,
-            measures.cell_rad,
-        )
+        seen_here = np.zeros(len(shown), bool)
+        for done, piece in enumerate(pieces):
+            if progress is not None:
+                progress("map", (k + done / len(pieces)) / len(eyes))
+            seen_here[piece] = in_field(
+                shown[piece],
+                measures.axis,
+                measures.eye_id,
+                int(which),
+                measures.lattice,
+                measures.cell_rad,
+            )
+        seen[k][inside] = seen_here
     each = _solid_angles(projection, inside, y)
     for k, which in enumerate(eyes):
         least = largest_cell_sr(measures.cell_rad[measures.eye_id == which])
@@ -150,6 +156,7 @@ def plot_eye_maps(
             facet diameter, eye parameter and sensitivity those that are known.
         projection: "mercator" (to 80° up and down), "mollweide" or "lambert" (both equal-area).
         measures: of `measure_eye`, where they have been taken.
+        progress: called as progress(stage, finished fraction or None) now and then.
 
     Raises:
         omma.Error: a property or projection that there is not, or that no ommatidium has; another
@@ -180,10 +187,14 @@ def plot_eye_maps(
             figsize=(each * columns * MM, (each * tall * rows + 13) * MM), layout="constrained"
         )
         for k, prop in enumerate(shown):
+            if progress is not None:
+                progress("drawing", k / (len(shown) + 1))
             panel = figure.add_subplot(rows, columns, k + 1)
             draw_map(figure, panel, the_map, prop, labels=True)
         figure.suptitle(title or eye_title(eye), fontsize="medium", weight="bold")
         figure.supxlabel(MAP_NOTE, fontsize="x-small")
+        if progress is not None:
+            progress("drawing", len(shown) / (len(shown) + 1))
         save_figure(figure, names, dpi=300)
 
 
@@ -365,7 +376,12 @@ def _outlines(panel: Axes, the_map: EyeMap) -> None:
 
 def eye_title(eye: Eye) -> str:
     """What the eye is called, where that is known, and how many ommatidia there are."""
-    return f"{known_title(eye)}{len(eye):,} ommatidia"
+    return f"{known_title(eye)}{count_of(len(eye))}"
+
+
+def count_of(ommatidia: int) -> str:
+    """How many ommatidia there are, in words of figures."""
+    return f"{ommatidia:,} ommatidi{'um' if ommatidia == 1 else 'a'}"
 
 
 def known_title(eye: Eye) -> str:

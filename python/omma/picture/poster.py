@@ -26,7 +26,7 @@ from omma.base.files import PathLike
 from omma.base.progress import Stage
 from omma.eye.measures import DIFFRACTION_LIMIT, EyeMeasures, diffraction_limit_m_rad, measure_eye
 from omma.eye.properties import EyeProperty, eye_property, is_known
-from omma.eye.report import SPREADS, eye_summary
+from omma.eye.report import SPREADS, direction_text, eye_summary, has_surface
 from omma.picture.acceptance_plots import choose, draw_profiles, draw_transfer
 from omma.picture.drawing import draw_view, view_from
 from omma.picture.eye_maps import MAP_NOTE, draw_map, eye_title, make_map
@@ -79,19 +79,25 @@ def plot_poster(
         facts: of the animal, each (label, value with its unit, where it is from); any number, of
             which about 45 fit.
         sources: printed at the foot of the page.
+        progress: called as progress(stage, finished fraction or None) now and then.
 
     Raises:
         omma.Error: another ending, Matplotlib is missing, a file cannot be written.
     """
     names = figure_names(paths)
     measures = measures or measure_eye(eye)
-    names_of_maps = ("interommatidial", "facet", "smaller", "larger")
+    names_of_maps = ["interommatidial", "facet", "smaller", "larger"]
+    if not (measures.facet_diameter_m > 0).any():
+        names_of_maps[1] = "acceptance"
+    the_map = make_map(measures, "mollweide", progress=progress)
+    tell = progress or (lambda stage, fraction: None)
+    tell("measuring the field", None)
+    summary = eye_summary(eye, measures)
+    if not has_surface(summary):
+        names_of_maps = names_of_maps[:2]
     shown = [eye_property(eye, measures, name) for name in names_of_maps]
     spacing = shown[0]
-    if not is_known(shown[1]):
-        shown[1] = eye_property(eye, measures, "acceptance")
-    the_map = make_map(measures, "mollweide", progress=progress)
-    summary = eye_summary(eye, measures)
+    panels = len(_VIEWS) + len(shown) + 2  # and those below, and the file
     with figure_style(8.0):
         figure: Any = load_matplotlib()(figsize=(420 * MM, 297 * MM), layout="constrained")
         figure.get_layout_engine().set(w_pad=3 * MM, h_pad=3 * MM)
@@ -110,12 +116,19 @@ def plot_poster(
             panel.set_title(f"{name}; colours as in the first map" if k == 0 else name, loc="left")
             view = view_from(math.radians(yaw), math.radians(pitch))
             seen = (eye, spacing) if whole else (right, of_right)
-            draw_view(panel, seen[0], view, seen[1], shape=_SHAPE, scale=spacing)
+            tell("drawing", k / panels)
+            notes = draw_view(panel, seen[0], view, seen[1], shape=_SHAPE, scale=spacing)
+            panel.text(
+                0, -0.02, "\n".join(notes), transform=panel.transAxes, va="top", fontsize="x-small"
+            )
         for k, prop in enumerate(shown):
-            draw_map(maps, maps.add_subplot(2, 2, k + 1), the_map, prop)
+            tell("drawing", (len(_VIEWS) + k) / panels)
+            draw_map(maps, maps.add_subplot(2, len(shown) // 2, k + 1), the_map, prop)
         maps.supxlabel(MAP_NOTE, fontsize="x-small")
-        _lower(lower, eye, measures)
+        tell("drawing", (panels - 2) / panels)
+        _lower(lower, eye, measures, has_surface(summary))
         _text(text.add_subplot(), _found(summary), facts)
+        tell("drawing", (panels - 1) / panels)
         save_figure(figure, names, dpi=200)
 
 
@@ -166,18 +179,19 @@ def _right_eye(eye: Eye, measures: EyeMeasures, prop: EyeProperty) -> tuple[Eye,
     return right, EyeProperty(prop.values[members], prop.label, prop.classes)
 
 
-def _lower(figure: Any, eye: Eye, measures: EyeMeasures) -> None:
+def _lower(figure: Any, eye: Eye, measures: EyeMeasures, surface: bool) -> None:
     grid = figure.add_gridspec(1, 4 if eye.receptor_types else 3)
     chosen = choose(eye, measures, None)
-    _histograms(figure.add_subplot(grid[0]), eye, measures)
+    _histograms(figure.add_subplot(grid[0]), eye, measures, surface)
     draw_profiles(figure.add_subplot(grid[1]), eye, chosen)
     draw_transfer(figure.add_subplot(grid[2]), eye, measures, chosen)
     if eye.receptor_types:
         _spectra(figure.add_subplot(grid[3]), eye)
 
 
-def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures) -> None:
-    angles = ("interommatidial", "smaller", "larger", "acceptance")
+def _histograms(panel: Axes, eye: Eye, measures: EyeMeasures, surface: bool) -> None:
+    of_surface = ("smaller", "larger") if surface else ()
+    angles = ("interommatidial", *of_surface, "acceptance")
     shown = [eye_property(eye, measures, name) for name in angles]
     shown = [prop for prop in shown if is_known(prop)]
     known = [prop.values[np.isfinite(prop.values)] for prop in shown]
@@ -256,7 +270,7 @@ def _found(summary: dict[str, Any]) -> list[PosterFact]:
         share = summary["binocular_fraction_of_seen"]
         found.append(("binocular", f"{both:.3g} sr", f"{share:.0%} of the field" if both else ""))
     for zone in summary["blind_zones"][:2]:
-        where = f"azimuth {zone['azimuth_deg']:.0f}°, elevation {zone['elevation_deg']:.0f}°"
+        where = direction_text(zone["azimuth_deg"], zone["elevation_deg"])
         cone = f"{zone['radius_deg']:.0f}° around {where}"
         found.append(("blind", f"{zone['solid_angle_sr']:.2g} sr", cone.replace("-", "−")))
     return found
