@@ -455,9 +455,9 @@ WRONG = {
 def test_greys_have_no_axis_of_colours(dtype):
     grey = (np.arange(6).reshape(2, 3) * 30).astype(dtype)
     expected = Image(np.repeat(grey[..., None], 3, 2)).pixels
-    for given in (grey, grey[..., None], np.asfortranarray(grey)):
-        assert np.array_equal(Image(given).pixels, expected)
-        assert np.array_equal(omma.Background.image(given).pixels, expected)
+    for shades in (grey, grey[..., None], np.asfortranarray(grey)):
+        assert np.array_equal(Image(shades).pixels, expected)
+        assert np.array_equal(omma.Background.image(shades).pixels, expected)
     assert omma.scene.plane((1, 1), grey).images[0].pixels.tolist() == expected.tolist()
 
 
