@@ -115,8 +115,8 @@ def run(
 
     Raises:
         omma.Error: something in the job or its files; a store of another job, of inputs that
-            changed or of another version; a full disk; a scheduler that went away; no free position
-            for a pose. What is done is kept.
+            changed, of another version, backend or, with Embree, instruction set; a full disk; a
+            scheduler that went away; no free position for a pose. What is done is kept.
         KeyboardInterrupt: Ctrl-C. What is done is kept.
     """
     tell: Stage = progress if progress is not None else lambda stage, share: None
