@@ -90,6 +90,9 @@ Geometry make_geometry(EmbreeTracer& tracer, const Mesh& mesh, std::int32_t mesh
     rtcSetGeometryOccludedFilterFunction(geometry.get(), filter);
     rtcSetGeometryIntersectFilterFunction(geometry.get(), filter);
   }
+  // What hides things is the mask of their instances (place). Embree 4 gives a geometry the first
+  // bit alone where none is set, Embree 3 all.
+  rtcSetGeometryMask(geometry.get(), all_seen);
   rtcCommitGeometry(geometry.get());
   return geometry;
 }
