@@ -95,6 +95,10 @@ def named_files(tmp_path_factory):
     few = (EXAMPLES_FOLDER / "flight.csv").read_text().splitlines()[:4]
     (folder / "flight.csv").write_text("\n".join(few) + "\n")
     (folder / "track.csv").write_text("t_s,x_m,z_m\n0,0,3\n0.1,0,2.9\n")
+    (folder / "positions_and_axes.csv").write_text(
+        "position_x_mm,position_y_mm,position_z_mm,axis_x,axis_y,axis_z\n"
+        "0,0,-1,0,0,-1\n0.1,0,-1,0.1,0,-1\n0,0.1,-1,0,0.1,-1\n"
+    )
     sphere(folder / "eye.stl")
     sphere(folder / "scan.stl")
     (folder / "forest.xyz").write_text("0 0 0\n0 0 1\n1 0 0\n")

@@ -93,7 +93,7 @@ def test_image_is_the_right_way_round():
         (lambda: omma.Background.constant("red"), ["color", "(3,)"]),
         (lambda: omma.Background.constant((1, 2)), ["color", "(3,)", "(2,)"]),
         (lambda: omma.Background.constant((1, 2, float("inf"))), ["color", "finite"]),
-        (lambda: omma.Background.image(np.zeros((2, 2), np.uint8)), ["image", "(2, 2)"]),
+        (lambda: omma.Background.image(np.zeros((2, 2, 2), np.uint8)), ["image", "(2, 2, 2)"]),
         (lambda: omma.Background.image(np.zeros((2, 2, 3), int)), ["image", "int64"]),
         (lambda: omma.Background.image(np.full((2, 2, 3), np.nan)), ["image", "finite"]),
         (lambda: omma.Background.image(np.zeros((0, 2, 3))), ["image", "(0, 2, 3)"]),
