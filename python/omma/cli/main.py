@@ -129,6 +129,10 @@ def run(command: Callable[..., object]) -> int:
         sys.stdout = None
         return 1
     except OSError as error:
+        try:
+            sys.stdout.flush()
+        except OSError:
+            sys.stdout = None  # or Python fails once more on its way out, with an exit code of 120
         return fail(f"{error.filename or 'system'}: {error.strerror}", 1)
     except Exception as error:
         # What typer says about wrong usage; its class has moved between typer's versions.
