@@ -101,13 +101,14 @@ class Background:
         An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y
         at the top.
 
-        A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file (float:
-        linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 or
-        4) or, of greys, (height, width): uint8 is sRGB, float is linear radiance. OpenEXR has
-        channels R, G and B, or Y alone. Between the middles of pixels it is interpolated, which
-        takes contrast from what is a few pixels wide.
+        A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file
+        (float: linear radiance, HDR divided by its EXPOSURE; OpenEXR has channels R, G and B,
+        or Y alone), or an array of shape (height, width, 3 or 4) or, of greys, (height,
+        width): uint8 is sRGB, float is linear radiance. Between the middles of pixels it is
+        interpolated, which takes contrast from what is a few pixels wide.
 
         Raises `omma.Error` where the file or the array is not such an image.
+        Warns `UserWarning` where it is not twice as wide as high.
         """
 
     @property

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -33,9 +34,11 @@ Background background_of_type(BackgroundType type) {
   return background;
 }
 
-// Of an array a shape is meant; a file may be a part of a panorama, or a fisheye's.
+// It may be a part of a panorama, or a fisheye's; what has few pixels was made up.
 void warn_of_shape(const Image& image) {
   constexpr double most_off = 0.02;
+  constexpr int least_pixels = 16;
+  if (std::min(image.width, image.height) < least_pixels) return;
   if (std::abs(image.width / (2.0 * image.height) - 1) <= most_off) return;
   const std::string sentence = "image: " + std::to_string(image.width) + " x " +
                                std::to_string(image.height) +
@@ -47,8 +50,7 @@ void warn_of_shape(const Image& image) {
 Background image_background(nb::handle source) {
   Background background = background_of_type(BackgroundType::image);
   background.image = image_argument(source, "image");
-  if (nb::isinstance<nb::str>(source) || nb::hasattr(source, "__fspath__"))
-    warn_of_shape(background.image);
+  warn_of_shape(background.image);
   return background;
 }
 
@@ -102,15 +104,13 @@ void bind_background(nb::module_& m) {
                   "Background"),
           "An equirectangular image: forward (-Z) in the middle, +X to the right of it, +Y\n"
           "at the top.\n\n"
-          "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file "
-          "(float:\n"
-          "linear radiance, HDR divided by its EXPOSURE), or an array of shape (height, width, 3 "
-          "or\n"
-          "4) or, of greys, (height, width): uint8 is sRGB, float is linear radiance. OpenEXR has\n"
-          "channels R, G and B, or Y alone. Between the middles of pixels it is interpolated, "
-          "which\n"
-          "takes contrast from what is a few pixels wide.\n\n"
-          "Raises `omma.Error` where the file or the array is not such an image.")
+          "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file\n"
+          "(float: linear radiance, HDR divided by its EXPOSURE; OpenEXR has channels R, G and B,\n"
+          "or Y alone), or an array of shape (height, width, 3 or 4) or, of greys, (height,\n"
+          "width): uint8 is sRGB, float is linear radiance. Between the middles of pixels it is\n"
+          "interpolated, which takes contrast from what is a few pixels wide.\n\n"
+          "Raises `omma.Error` where the file or the array is not such an image.\n"
+          "Warns `UserWarning` where it is not twice as wide as high.")
       .def_prop_ro(
           "type", [](const Background& b) { return word_of(types, b.type); },
           "'constant', 'simple_sky', 'test_pattern' or 'image'.")

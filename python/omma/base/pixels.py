@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Background, Error
-from omma.base.slips import warn_of_shape
+from omma._core import Error
 from omma.base.srgb import linear_of_srgb
 from omma.base.warn import warn_caller
 
@@ -19,8 +18,6 @@ _WHITE, _LEAST_WHITE, _LEAST_LEVELS = 255, 16, 8
 _RGBA = 4
 # So many of a picture's numbers are looked at.
 _LOOKED_AT = 1 << 14
-# What pixels of a background are called that come from no file.
-_ARRAY = "image"
 
 
 def check_radiance(pixels: NDArray[Any], name: str, hint: str = "") -> None:
@@ -43,17 +40,9 @@ def check_picture(pixels: NDArray[Any], name: str) -> None:
         warn_of_bytes(pixels[..., :3], name)
 
 
-def warn_of_background(background: Background) -> None:
-    """Tell the caller of the package of a background's pixels that are negative, or in 8 bits, and
-    of an array that is no whole sphere by its shape; of a file's the engine tells, which reads
-    it."""
-    pixels = background.pixels
-    if pixels is None:
-        return
-    name = background.__getstate__()[3]
-    if name == _ARRAY:
-        warn_of_shape(pixels.shape, "background")
-    if pixels.dtype.kind != "f":
+def warn_of_background(pixels: NDArray[Any] | None) -> None:
+    """Tell the caller of the package of a background's pixels that are negative, or in 8 bits."""
+    if pixels is None or pixels.dtype.kind != "f":
         return
     wrong = _first_wrong(pixels)
     if wrong is not None:

@@ -1,4 +1,4 @@
-"""The instruction set of the processor that this runs on."""
+"""The processor that this runs on: its model and its instruction set."""
 
 from __future__ import annotations
 
@@ -29,12 +29,20 @@ def instruction_set() -> str:
     return found
 
 
-@cache
 def processor_flags() -> frozenset[str]:
     """What Linux says that an x86 processor has; else nothing."""
+    return frozenset(_said_by_linux("flags").split())
+
+
+def processor_model() -> str:
+    """The model, as Linux says it; else ""."""
+    return _said_by_linux("model name")
+
+
+@cache
+def _said_by_linux(what: str) -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
-        return frozenset()
-    said = next((line for line in lines if line.startswith("flags")), "")
-    return frozenset(said.partition(":")[2].split())
+        return ""
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith(what)), "")

@@ -23,6 +23,7 @@ from omma._core import Error
 from omma.base.backend_names import backend_differences, backend_record
 from omma.base.files import reading
 from omma.base.locks import lock
+from omma.base.processors import processor_model
 from omma.base.said import (
     Said,
     is_count,
@@ -112,7 +113,9 @@ def make_manifest(
             for name in ("numpy", "zarr", "numcodecs")
         },
         "python": platform.python_version(),
-        "machine": f"{platform.node()}, {platform.machine()}, {_processor()}",
+        "machine": ", ".join(
+            (platform.node(), platform.machine(), processor_model() or "unknown processor")
+        ),
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "groups": dict(groups),
         "names": {
@@ -305,14 +308,3 @@ def _size(path: str) -> int | None:
         return os.stat(path).st_size
     except OSError:
         return None
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return "unknown processor"
-    return next(
-        (line.partition(":")[2].strip() for line in lines if line.startswith("model name")),
-        "unknown processor",
-    )

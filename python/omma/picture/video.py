@@ -33,19 +33,18 @@ _COPIED_BYTES = 1 << 20
 
 
 def frame_rate(times_s: Floats | None) -> tuple[float, str | None]:
-    """Frames a second of poses at these times (P,), s, and in words where they are not shown at
-    their times: those that are uneven come at the mean rate, at a rate that players do not take 30
-    a second."""
+    """Frames a second of poses at these growing times (P,), s, and in words where they are not
+    shown at their times: those that are uneven come at the mean rate, at a rate that players do not
+    take 30 a second."""
     if times_s is None or len(times_s) < 2:
         return FRAMES_PER_S, None
-    lasts_s = float(times_s[-1] - times_s[0])
+    lasts_s = float(times_s[-1]) - float(times_s[0])
     rate = (len(times_s) - 1) / lasts_s
     if not _LEAST_PER_S <= rate <= _MOST_PER_S:
-        times = rate / FRAMES_PER_S
-        how = f"{1 / times:.4g} times too fast" if times < 1 else f"{times:.4g} times too slow"
         return FRAMES_PER_S, (
             f"expected {_LEAST_PER_S:g} to {_MOST_PER_S:g} poses a second, found {rate:.4g} by the "
-            f"times of the path: the video shows {FRAMES_PER_S} a second, {how}"
+            f"times of the path: the video shows {FRAMES_PER_S} a second, and "
+            f"{(len(times_s) - 1) / FRAMES_PER_S:.3g} s stand for {lasts_s:.4g}"
         )
     off_s = float(np.abs(times_s - np.linspace(times_s[0], times_s[-1], len(times_s))).max())
     if off_s * rate > _MOST_OFF:

@@ -104,8 +104,7 @@ class World:
     Warns:
         UserWarning: triangles are lit by probes, as cells have no room, or what was baked cannot be
             kept; surfaces that emit vanish beside the rest of the light; there is a card that is
-            left alone; or a background's picture is negative, looks like one in 8 bits, or is an
-            array that is not twice as wide as high.
+            left alone; or a background's picture is negative or looks like one in 8 bits.
     """
 
     @checked
@@ -156,7 +155,7 @@ class World:
         self._lighting = given
         if given is None:
             tell_without_light(scene)
-        warn_of_background(self.background)
+        warn_of_background(self.background.pixels)
         for number_of_image, image in enumerate(scene.images):
             if image.pixels.dtype.kind == "f":
                 check_radiance(image.pixels[..., :3], f"images[{number_of_image}]")
@@ -193,7 +192,7 @@ class World:
             UserWarning: what `World` warns of a background's picture.
         """
         expect(background, Background, "background", "omma.Background.constant gives one")
-        warn_of_background(background)
+        warn_of_background(background.pixels)
         other = object.__new__(World)
         vars(other).update(vars(self))
         other._background = background

@@ -12,7 +12,6 @@ import subprocess
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from omma._core import Error, Eye, Scene
 from omma.base.arguments import array_of, checked, whole
 from omma.base.poses import as_pose
+from omma.base.processors import processor_model
 from omma.base.progress import Stage, ends_of_steps
 from omma.base.values import value_class
 from omma.rendering.renderer import Renderer
@@ -138,12 +138,8 @@ def measure_speed(
 
 def machine_name() -> str:
     """Model of the processor, as the system says it."""
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
+    if model := processor_model():
+        return model
     if platform.system() == "Darwin":
         command = ["sysctl", "-n", "machdep.cpu.brand_string"]
         found = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
