@@ -1,5 +1,5 @@
 # Sourced after common.sh by scripts that build Omma for systems of which Debian has no libraries:
-# fetches the libraries' sources, as Debian keeps them.
+# fetches the libraries' sources, as Debian keeps them; and by those that make what wheels need.
 # shellcheck shell=bash
 sources="$PWD/build/sources"
 
@@ -21,16 +21,19 @@ fetch_source() {
   rm -r "$sources/$package.new"
 }
 
+# fetch_file URL SHA256 PATH
+fetch_file() {
+  curl --silent --show-error --fail --location --output "$3" "$1" || fail "$1 could not be fetched"
+  echo "$2  $3" | sha256sum --check --quiet || fail "$1 is not the file that was expected"
+}
+
 # The oneTBB of Debian 13, the first that WebAssembly and MinGW can use, as build/sources/onetbb.
 fetch_onetbb() {
   local archive="$sources/onetbb.tar.xz"
   [ ! -e "$sources/onetbb" ] || return 0
   mkdir -p "$sources/onetbb.new"
-  curl --silent --show-error --fail --location --output "$archive" \
-    http://deb.debian.org/debian/pool/main/o/onetbb/onetbb_2022.1.0.orig.tar.xz \
-    || fail "oneTBB's source could not be fetched"
-  echo "c220a5e4fe452f3a24f562212377dc796d90e8d4e9bfb3392524f18c8f48cd7f  $archive" \
-    | sha256sum --check --quiet || fail "oneTBB's source is not the one that was expected"
+  fetch_file http://deb.debian.org/debian/pool/main/o/onetbb/onetbb_2022.1.0.orig.tar.xz \
+    c220a5e4fe452f3a24f562212377dc796d90e8d4e9bfb3392524f18c8f48cd7f "$archive"
   tar -xf "$archive" -C "$sources/onetbb.new" --strip-components=1
   mv "$sources/onetbb.new" "$sources/onetbb"
 }

@@ -176,6 +176,12 @@ void check_mesh(const Scene& scene, const Mesh& mesh, const std::string& place) 
   }
   check_size(mesh.colors.size(), mesh.positions.size(), place, "colours");
   check_finite(mesh.colors, place, "the colour");
+  const auto negative = std::find_if(mesh.colors.begin(), mesh.colors.end(), [](const Vec4& color) {
+    return !(non_negative({color.x, color.y, color.z}) && color.w >= 0);
+  });
+  if (negative != mesh.colors.end())
+    throw Error(place + ": the colour of vertex " + std::to_string(negative - mesh.colors.begin()) +
+                " is negative");
   check_triangles(mesh.triangles, mesh.positions.size(), place);
 }
 

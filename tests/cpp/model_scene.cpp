@@ -121,6 +121,7 @@ TEST(ValidateScene, Numbers) {
   expect_invalid([](Scene& s) { s.meshes[0].texcoords[0][2].x = nan; },
                  "texture coordinate of vertex 2");
   expect_invalid([](Scene& s) { s.meshes[0].colors[3].w = nan; }, "colour of vertex 3");
+  expect_invalid([](Scene& s) { s.meshes[0].colors[3].y = -1; }, "colour of vertex 3 is negative");
   expect_invalid([](Scene& s) { s.materials[0].base_color.x = nan; }, "base colour");
   expect_invalid([](Scene& s) { s.materials[0].base_color.w = -1; }, "base colour");
   expect_invalid([](Scene& s) { s.materials[0].emissive.z = -1; }, "emission");

@@ -3,6 +3,7 @@ becomes of it where lights are changed. Closed forms in the engine: tests/cpp/re
 
 import importlib.util
 import pickle
+import warnings
 from dataclasses import replace
 from datetime import datetime, timezone
 
@@ -243,6 +244,14 @@ class TestLightsInAir:
             np.testing.assert_array_equal(changed.extinction_per_m, air)
         with pytest.raises(Error, match="the same air"):
             foggy + with_air(clear_sky(30.0, bands=FEW), 400.0, layer_height_m=0)
+
+    def test_warn_once_not_in_each_process_that_gets_them(self):
+        with pytest.warns(UserWarning, match="layer_height_m"):
+            foggy = with_air(overcast_sky(30.0, bands=FEW), 150.0)
+        stored = pickle.dumps(foggy)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert pickle.loads(stored) == foggy
 
     def test_are_values(self):
         foggy = with_air(clear_sky(30.0, bands=FEW), 500.0, layer_height_m=0)

@@ -436,6 +436,9 @@ WRONG = {
     "the normal of vertex 1 is zero": lambda: Mesh(
         *TRIANGLE, normals=[[0, 0, 1], [0, 0, 0], [0, 0, 1]]
     ),
+    "the colour of vertex 2 is negative": lambda: Mesh(
+        *TRIANGLE, colors=[[1, 1, 1], [1, 1, 1], [1, 1, -0.1]]
+    ),
     "pixels: expected": lambda: Image(np.zeros((2, 2, 2), np.uint8)),
     "pixels: expected finite values": lambda: Image(np.full((2, 2, 3), np.nan)),
     "type: expected one of perspective": lambda: Camera(type="fisheye"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar, cast
@@ -365,13 +366,15 @@ def makes_light(function: F) -> F:
 
 
 def _made(name: str, arguments: dict[str, Any]) -> Light:
-    if "light" in arguments and hasattr(Light, name):
-        rest = {key: value for key, value in arguments.items() if key != "light"}
-        return getattr(arguments["light"], name)(**rest)  # type: ignore[no-any-return]
     # By its public name, as a pickle would look for it: the makers' modules import this one.
     from omma import light as makers
 
-    return getattr(makers, name)(**arguments)  # type: ignore[no-any-return]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # they were given when the light was made
+        if "light" in arguments and hasattr(Light, name):
+            rest = {key: value for key, value in arguments.items() if key != "light"}
+            return getattr(arguments["light"], name)(**rest)  # type: ignore[no-any-return]
+        return getattr(makers, name)(**arguments)  # type: ignore[no-any-return]
 
 
 def _joined(discs: list[Disc]) -> tuple[Disc, ...]:
