@@ -98,11 +98,14 @@ void take_scales(std::vector<float> values, const std::string& place, GltfWarnin
   cloud.scales = vectors<Vec3>(values);
 }
 
+// Those of length 1 but for rounding stay as they are, so that what was saved is what is loaded.
 void take_rotations(std::vector<float> values, SplatCloud& cloud) {
+  constexpr float rounding = 1e-6f;
   cloud.rotations = vectors<Vec4>(values);
   for (Vec4& q : cloud.rotations) {
     const float length = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
-    if (length > 0) q = {q.x / length, q.y / length, q.z / length, q.w / length};
+    if (length > 0 && std::fabs(length - 1) > rounding)
+      q = {q.x / length, q.y / length, q.z / length, q.w / length};
   }
 }
 
