@@ -10,6 +10,7 @@
 
 #include "model/scene_place.h"
 #include "model/text.h"
+#include "model/texture_uses.h"
 #include "omma/camera.h"
 #include "omma/error.h"
 #include "omma/io.h"
@@ -100,6 +101,8 @@ Scene made_scene(const nb::dict& given) {
   }
   validate_scene(scene);
   scene.warnings = place_warnings(scene);
+  for (std::string& sentence : coordinate_warnings(scene))
+    scene.warnings.push_back(std::move(sentence));
   return scene;
 }
 
@@ -398,6 +401,12 @@ void bind_scene(nb::module_& m) {
         made->warnings = std::move(told);
         for (std::string& sentence : place_warnings(*made, "the file has them"))
           made->warnings.push_back(std::move(sentence));
+        const auto is_told = [](const std::string& one) {
+          return one.starts_with(without_coordinates);
+        };
+        if (std::none_of(made->warnings.begin(), made->warnings.end(), is_told))
+          for (std::string& sentence : coordinate_warnings(*made))
+            made->warnings.push_back(std::move(sentence));
         return made;
       },
       nb::arg("scene"), nb::arg("path"), nb::arg("warnings"),

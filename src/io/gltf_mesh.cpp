@@ -8,6 +8,7 @@
 
 #include "io/csv_text.h"
 #include "io/draco_mesh.h"
+#include "model/texture_uses.h"
 #include "omma/error.h"
 
 namespace omma {
@@ -195,19 +196,8 @@ void check_colors(const GltfAccessor* colors, const std::string& place) {
 // A texture coordinate set that the material reads and the primitive lacks counts as (0, 0).
 void warn_of_missing_texcoords(GltfMeshReader& reader, const std::string& place, const Mesh& mesh) {
   if (mesh.material < 0) return;
-  const Material& material = reader.materials[static_cast<std::size_t>(mesh.material)];
-  for (const TextureUse* use :
-       {&material.base_color_texture, &material.emissive_texture,
-        &material.metallic_roughness_texture, &material.normal_texture, &material.specular_texture,
-        &material.specular_color_texture, &material.transmission_texture,
-        &material.diffuse_transmission_texture, &material.clearcoat_texture,
-        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture,
-        &material.diffuse_transmission_factor_texture, &material.extra.texture})
-    if (use->texture >= 0 && mesh.texcoords[static_cast<std::size_t>(use->texcoord_set)].empty())
-      reader.warnings.add(
-          "a mesh has no texture coordinates for its material's texture; (0, 0) is "
-          "taken",
-          place);
+  if (lacks_coordinates(mesh, reader.materials[static_cast<std::size_t>(mesh.material)]))
+    reader.warnings.add(without_coordinates, place);
 }
 
 void read_targets(GltfMeshReader& reader, const json& primitive, const std::string& place,

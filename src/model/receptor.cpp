@@ -28,9 +28,10 @@ void validate_receptor_type(const ReceptorType& type, const std::string& where) 
     throw Error(place + "expected at least two wavelengths, found one");
   bool any = !table;
   for (std::size_t k = 0; k < type.wavelength_nm.size(); ++k) {
-    expect(std::isfinite(type.wavelength_nm[k]) && type.wavelength_nm[k] > 0 &&
-               (k == 0 || type.wavelength_nm[k] > type.wavelength_nm[k - 1]),
-           "wavelength_nm: expected positive and ascending wavelengths", type.wavelength_nm[k]);
+    expect(type.wavelength_nm[k] >= 100 && type.wavelength_nm[k] <= 5000,
+           "wavelength_nm: expected 100 to 5000", type.wavelength_nm[k]);
+    expect(k == 0 || type.wavelength_nm[k] > type.wavelength_nm[k - 1],
+           "wavelength_nm: expected ascending wavelengths", type.wavelength_nm[k]);
     expect(std::isfinite(type.sensitivity[k]) && type.sensitivity[k] >= 0,
            "sensitivity: expected numbers of at least 0", type.sensitivity[k]);
     any = any || type.sensitivity[k] > 0;

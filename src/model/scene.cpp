@@ -13,6 +13,7 @@
 #include "model/rig_check.h"
 #include "model/scene_light.h"
 #include "model/splat_check.h"
+#include "model/texture_uses.h"
 #include "omma/error.h"
 #include "omma/rig.h"  // IWYU pragma: keep, compared here
 
@@ -27,15 +28,6 @@ constexpr std::size_t most_pixels = std::size_t(1) << 28;
 // Of a base colour, an emission or a background; 1 is full scale. Squares of what differs by two of
 // these, summed over 2^20 rays in eight scrambles, are 3e37 and stay within single precision.
 constexpr double most_radiance = 1e15;
-
-// All that materials read, but for the extra reflectance.
-constexpr std::array<TextureUse Material::*, 12> texture_uses = {
-    &Material::base_color_texture,         &Material::emissive_texture,
-    &Material::metallic_roughness_texture, &Material::normal_texture,
-    &Material::specular_texture,           &Material::specular_color_texture,
-    &Material::transmission_texture,       &Material::diffuse_transmission_texture,
-    &Material::clearcoat_texture,          &Material::clearcoat_roughness_texture,
-    &Material::clearcoat_normal_texture,   &Material::diffuse_transmission_factor_texture};
 
 bool finite(Vec2 v) {
   return std::isfinite(v.x) && std::isfinite(v.y);

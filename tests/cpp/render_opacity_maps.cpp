@@ -105,7 +105,8 @@ Scene random_cut_out(Random& random, int triangles) {
                                    near.y + static_cast<float>(size * random.uniform(-1, 1))});
       if (has_colors)
         mesh.colors.push_back(
-            {1, 1, 1, one_alpha ? 1.0f : static_cast<float>(random.uniform(-1, 1.5))});
+            {1, 1, 1,
+             one_alpha ? 1.0f : static_cast<float>(std::max(random.uniform(-1, 1.5), 0.0))});
     }
     const auto first = static_cast<std::uint32_t>(3 * t);
     mesh.triangles.push_back({first, first + 1, first + 2});

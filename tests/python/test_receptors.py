@@ -175,6 +175,14 @@ def test_optical_sensitivity_of_an_eyes_receptors():
     assert 1e12 * peak[0] == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1e-9, 10])
+def test_tables_in_other_units_are_refused(unit):
+    """In micrometres, metres, ångström, of which nothing within the light is left."""
+    wavelength = np.linspace(301, 700, 41) * unit
+    with pytest.raises(omma.Error, match="100 to 5000"):
+        omma.receptors.ReceptorType("green", wavelength_nm=wavelength, sensitivity=np.ones(41))
+
+
 def test_microvilli_turn_from_up_to_right():
     types = [
         omma.receptors.ReceptorType(

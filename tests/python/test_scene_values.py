@@ -6,6 +6,7 @@ import copy
 import pickle
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -527,3 +528,29 @@ def test_nonsense_is_refused_or_makes_a_value(part, data):
     with contextlib.suppress(omma.Error, TypeError):
         made = part(**{name: data.draw(anything) for name in names})
         assert pickle.loads(pickle.dumps(made)) == made
+
+
+def test_a_texture_without_texture_coordinates_is_told():
+    """Of a scene made in memory, by the world that is made of it; and once, not where it goes."""
+    picture = Image(np.ones((4, 4, 3), np.float32))
+    guide = ExtraReflectance(0, [Spectrum([300, 410], [0.4, 0])])
+    for material in (Material(base_color_texture=0), Material(extra_reflectance=guide)):
+        scene = omma.scene.plane((2, 2), name="petal").replace(
+            materials=[material], images=[picture], textures=[Texture(0)]
+        )
+        assert any('"petal"' in one for one in scene.warnings)
+        with pytest.warns(UserWarning, match="no texture coordinates"):
+            world = omma.World(scene)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            pickle.loads(pickle.dumps(world))
+    (mesh,) = scene.meshes
+    mapped = Mesh(
+        mesh.positions_m,
+        mesh.triangles,
+        texture_coordinates=np.zeros((len(mesh.positions_m), 2)),
+        material=0,
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.World(scene.replace(meshes=[mapped]))

@@ -28,6 +28,7 @@ Ultraviolet = Rule | Mapping[str, Rule] | None
 _MOST_DEPTH = 1000
 _MOST_EMISSION = 1e15  # as of colours
 _NAMES_TOLD = 8
+_OF_ROUNDING = "from the origin of their own coordinates"
 # What a colour of 1 is, cd/m², in worlds whose splats were told of.
 _told_of_splats: set[float] = set()
 _BAKED_ONLY = 'goes with lighting="baked"'
@@ -165,6 +166,14 @@ def options_after(before: Lighting | None, **options: Any) -> dict[str, Any]:
         kept += {"path": ["depth"], "baked": ["bake", "sun"]}.get(options["lighting"], [])
         found |= {name: getattr(before, name) for name in kept}
     return options | found | {name: one for name, one in options.items() if one is not None}
+
+
+def tell_of_making(scene: Scene) -> None:
+    """Warns of a scene that was made in memory, of which no loader has told; not of what rounding
+    does, which its warnings and `omma info` say."""
+    for sentence in () if scene.path else scene.warnings:
+        if _OF_ROUNDING not in sentence:
+            warn_caller(sentence, UserWarning)
 
 
 def tell_of_splats(scene: Scene, lighting: Lighting | None) -> None:

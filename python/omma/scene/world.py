@@ -26,6 +26,7 @@ from omma.scene.lighting import (
     checked_lighting,
     options_after,
     tell_of_emission,
+    tell_of_making,
     tell_of_splats,
 )
 from omma.scene.rig_parts import RigParts
@@ -153,6 +154,7 @@ class World:
             light, lighting, depth, polarized, ultraviolet, sun, bake, emission_cd_m2
         )
         self._lighting = given
+        tell_of_making(scene)
         if given is None:
             tell_without_light(scene)
         warn_of_background(self.background.pixels)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -60,7 +61,9 @@ def _lit_again(base: Any, lighting: Lighting, places_when_baked: dict[int, Float
 
 def _made_again(kind: Callable[..., Any], state: dict[str, Any]) -> Any:
     check_format(state["format"], _FORMAT, "World")
-    world = kind(**state["arguments"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # they were given when the world was made
+        world = kind(**state["arguments"])
     if state["moved"]:
         world.set_transforms(state["moved"], np.stack(state["world_from_node"]))
     for mesh, positions, normals in state["shapes"]:
