@@ -36,10 +36,10 @@ def describe_table(path: PathLike) -> Lines | None:
         return None
     header = _header(path)
     columns = set(header)
+    if {"x_m", "z_m"} <= columns and not {"axis_x", "elevation_deg"} & columns:
+        return _track(name)
     if {"axis_x", "azimuth_deg"} & columns:
         return None
-    if {"x_m", "z_m"} <= columns:
-        return _track(name)
     if {"x", "y", "z"} <= columns and columns & {*QUATERNION_COLUMNS[3:], *ANGLE_COLUMNS[3:]}:
         return _poses(name)
     if any(is_wavelength_name(one) for one in header[:2]):
