@@ -58,7 +58,8 @@ def panorama(
     check_unit(unit)
     positive(radiance_per_unit, "radiance_per_unit")
     used = bands.wavelength_nm[np.any(bands.weight > 0, axis=0)]
-    blue = _share_of_blue(ultraviolet, float(used[0]))
+    reach_nm = float(used[0] if bands.edges_nm is None else min(used[0], bands.edges_nm[0]))
+    blue = _share_of_blue(ultraviolet, reach_nm)
 
     def lifted(nm: Floats) -> Floats:
         spectra = np.asarray(primary_spectra(nm))
