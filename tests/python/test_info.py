@@ -9,7 +9,7 @@ from PIL import Image
 
 import omma
 from omma.job.extents import describe_extent, size_words
-from omma.job.info import describe_scene
+from omma.job.info import describe_file, describe_scene
 from omma.job.places import place_words
 
 
@@ -128,6 +128,11 @@ def test_info_of_a_track(omma_command, tmp_path):
     assert found["way"] == "7 m, 7 m/s in the mean"
     assert found["heading"] == "along the way"
     assert "left out 1 of 4 positions" in found["warning"]
+    path.write_text("t_s,x_m,z_m\n1782000000.04,0,0\n1782000000.08,1,0\n1782000000.12,2,0\n")
+    assert dict(describe_file(path))["duration"] == (
+        "0.08 s, from 1782000000.04 to 1782000000.12 s, a position each 0.04 s, median (0.04 to "
+        "0.04 s)"
+    )
     path.write_text("x_m;z_m;heading_deg\n1,5;0;20\n")
     found = said(omma_command, path)
     assert found["duration"] == "not told: no column t_s"
@@ -142,6 +147,11 @@ def test_info_of_poses(omma_command, tmp_path):
     assert found["number"] == "2"
     assert found["bounds"] == "(0, 1, 2) to (0, 1, 5) m"
     assert (found["extent"], found["way"]) == ("0 x 0 x 3 m", "3 m")
+    assert found["duration"] == "not told: no column t_s"
+    path.write_text("t_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n1,0,1,2,90,0,0\n1.5,0,1,5,90,0,0\n")
+    assert dict(describe_file(path))["duration"] == (
+        "0.5 s, from 1 to 1.5 s, a pose each 0.5 s, median (0.5 to 0.5 s)"
+    )
     # What is wrong in them is told as of poses.
     path.write_text("x,y,z,qx,qy,qz,qw\n0,1,2,0,0,0,0\n")
     code, _, err = omma_command("info", path)

@@ -403,3 +403,19 @@ def test_changed_files_end_in_errors_that_name_them(pictures):
             assert path.name in said
     assert min(kinds.values()) > 300
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1 << 20
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii"])
+def test_stl_files_that_are_cut_off_are_told(tmp_path, kind):
+    trimesh = pytest.importorskip("trimesh")
+    path = tmp_path / "cut.stl"
+    trimesh.creation.icosphere(2).export(path, file_type=kind)
+    whole = path.read_bytes()
+    if kind == "stl_ascii":
+        whole = whole.rstrip() + b" of facets\n"
+        path.write_bytes(whole)
+    assert omma.load_scene(path).triangle_count == 320
+    path.write_bytes(whole[: len(whole) // 2])
+    told = {"stl": "expected 320 triangles, as its head says, found 159$", "stl_ascii": "endsolid"}
+    with pytest.raises(omma.Error, match=told[kind]):
+        omma.load_scene(path)

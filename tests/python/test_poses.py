@@ -98,6 +98,11 @@ HEADER = "x,y,z,yaw_deg,pitch_deg,roll_deg\n"
             "t_ms,x,y,z,yaw,pitch,roll\n",
             "columns are in seconds, metres and degrees: t_s for t_ms, yaw_deg for yaw, ",
         ),
+        (
+            "timestamp,x,y,z,heading_deg,pitch_deg,roll_deg\n",
+            "degrees: t_s for timestamp, yaw_deg for heading_deg",
+        ),
+        ("t_s,time,x,y,z,qx,qy,qz,qw,theta\n", "found 't_s,time,x,y,z,qx,qy,qz,qw,theta'$"),
         (HEADER + "1,2,3,0,0,0\n1,2,3\n", ", line 3: expected 6 numbers.*found 3"),
         (
             HEADER + "1,2,3,0,0,zero\n",

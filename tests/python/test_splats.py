@@ -192,6 +192,8 @@ def test_calibration():
     ):  # fmt: skip
         with pytest.raises(omma.Error):
             calibrate(scene, **nonsense)
+    with pytest.raises(omma.Error, match=r"found \[118\.0, 115\.0, 120\.0\]; divide .* by 255$"):
+        calibrate(scene, gray_card=(118, 115, 120))
     with pytest.raises(omma.Error, match="found none"):
         calibrate(omma.Scene(), exposure=1.0)
 

@@ -1,6 +1,7 @@
 """Sunrise, noon, sunset and twilight: published times, and the sun's own elevation then."""
 
 from datetime import date, datetime, timedelta, timezone
+from zoneinfo import ZoneInfo
 
 import pytest
 
@@ -137,3 +138,14 @@ def test_what_is_refused():
         dusk(day, 0, 0, "naval")
     with pytest.raises(TypeError, match="time_zone"):
         dusk(day, 0, 0, time_zone="Europe/Berlin")
+
+
+def test_a_time_that_clocks_skip_is_refused():
+    """On 29 March 2026 it was never 2:30 in Madrid; on 25 October it was twice."""
+    madrid = ZoneInfo("Europe/Madrid")
+    for look in (omma.light.sun_position, omma.light.moon_position, omma.light.clear_sky_at):
+        with pytest.raises(omma.Error, match=r"found 2026-03-29T02:30:00.*is 2026-03-29T03:30"):
+            look(datetime(2026, 3, 29, 2, 30, tzinfo=madrid), 37, -6)
+    twice = [datetime(2026, 10, 25, 2, 30, tzinfo=madrid, fold=fold) for fold in (0, 1)]
+    one, other = (omma.light.sun_position(when, 37, -6).azimuth_deg for when in twice)
+    assert one != other

@@ -90,11 +90,42 @@ def test_headers_of_loggers_and_maps_are_told_what_to_do(tmp_path):
         ("t_ms,x_cm,z_cm", "metres and degrees: t_s for t_ms, x_m for x_cm, z_m for z_cm"),
         ("time (s),x_m,z_m", "metres and degrees: t_s for time (s)"),
         ("t_s,x_m,z_m,speed,sex", "leave out speed, sex"),
+        (
+            "easting,northing,z",
+            "x_m is the easting and z_m the northing's negative, in metres",
+        ),
+        (
+            "t_s,x_m,y_m,z_m",
+            "z_m is horizontal, in metres south of the origin: where z_m is height, z_m is the "
+            "negative of y_m, and the height is left out; where y_m is height, leave it out",
+        ),
+        (
+            "x,y,z",
+            "negative of y, and the height is left out; where y is height, leave it out, and z_m "
+            "is z; columns are in seconds, metres and degrees: x_m for x",
+        ),
+        ("t_s,x_m,z_m,bearing_deg", "metres and degrees: heading_deg for bearing_deg"),
+        ("t_s,x_m,z_m,yaw_deg,theta", "metres and degrees: heading_deg for yaw_deg"),
+        ("x_m,z_m,azimuth_deg", "metres and degrees: heading_deg for azimuth_deg"),
+        ("x_m,z_m,heading_deg,bearing_deg", "leave out bearing_deg"),
+        ("timestamp,x_m,z_m", "columns are in seconds, metres and degrees: t_s for timestamp"),
+        ("t_s,timestamp,x_m,z_m", "leave out timestamp"),
+        ("frame,x_m,z_m", "t_s is frame divided by the frames of a second"),
+        ("x_m,z_m,z_m", "found 'x_m,z_m,z_m'"),
         ("a,b", "found 'a,b'"),
     ):
         path.write_text(f"{header}\n1,2,3\n")
         with pytest.raises(omma.Error, match=f"{re.escape(says)}$"):
             load_track(path)
+
+
+def test_dates_for_times_are_told_that_times_are_in_seconds(tmp_path):
+    path = tmp_path / "walk.csv"
+    for header, rest in (("x_m,z_m", ",0,0"), ("x,y,z,yaw_deg,pitch_deg,roll_deg", ",0" * 6)):
+        path.write_text(f"t_s,{header}\n2026-06-21T09:00:00+09:30{rest}\n")
+        read = load_track if header == "x_m,z_m" else omma.load_poses
+        with pytest.raises(omma.Error, match=r"found '2026-06-21T.*'; t_s is in seconds"):
+            read(path)
 
 
 def test_decimal_commas_between_commas_are_told(tmp_path):

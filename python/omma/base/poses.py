@@ -16,7 +16,7 @@ from omma._core import Camera, Error
 from omma.base.arguments import array_of, checked
 from omma.base.arrays import Floats
 from omma.base.dlpack import as_numpy
-from omma.base.tables import check_growing, read_table, say_units
+from omma.base.tables import HEADINGS, TIMES, check_growing, read_table, say_units
 from omma.base.warn import warn_caller
 
 Matrices = NDArray[np.float64]
@@ -208,8 +208,10 @@ def load_timed_poses(path: str | os.PathLike[str]) -> tuple[Matrices, Floats | N
 
 def _remedy(columns: tuple[str, ...]) -> str:
     """What to do about a file whose columns are called otherwise."""
-    names = {"t": "t_s", "time": "t_s", "x": "x", "y": "y", "z": "z"}
-    names |= {one: f"{one}_deg" for one in ("yaw", "pitch", "roll")}
+    names = {one: "t_s" for one in TIMES} | {one: one for one in "xyz"}
+    if not {*QUATERNION_COLUMNS[3:]} <= {*columns}:
+        names |= {one: "yaw_deg" for one in ("yaw", *HEADINGS)}
+        names |= {one: f"{one}_deg" for one in ("pitch", "roll")}
     return say_units(columns, names)
 
 

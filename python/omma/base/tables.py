@@ -24,6 +24,9 @@ from omma.base.files import PathLike, open_text
 MISSING = ("", "nan", "na", "n/a", "none", "null")
 # Of tables with commas between cells.
 _COMMAS = "decimals have points where commas separate the cells, or commas where semicolons do"
+# How tables call what is t_s, and which way a head looks, without a unit.
+TIMES = ("t", "time", "timestamp", "timestamps", "datetime", "date", "utc", "seconds", "sec")
+HEADINGS = ("heading", "bearing", "yaw", "azimuth", "orientation", "direction", "theta")
 # A number with a decimal comma.
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
@@ -119,17 +122,24 @@ def check_growing(name: str, times_s: Floats, lines: Sequence[int] | NDArray[np.
         )
 
 
+def stems_of(columns: Iterable[str]) -> dict[str, str]:
+    """Columns by their names without a unit."""
+    return {re.split(r"[^a-z]", one)[0]: one for one in columns}
+
+
 def say_units(columns: Sequence[str], known: dict[str, str]) -> str:
     """What columns with other units, or without one, would be called; "" where none is.
 
     Args:
-        known: what columns are called, by their names without a unit.
+        known: what columns are called, by their names without a unit. Of those that are called the
+            same the first that is there counts.
     """
-    stems = {re.split(r"[^a-z]", one)[0]: one for one in columns}
+    stems = stems_of(columns)
+    found = {name: stems[stem] for stem, name in reversed(known.items()) if stem in stems}
     other = [
-        f"{name} for {stems[stem]}"
-        for stem, name in known.items()
-        if stem in stems and stems[stem] != name
+        f"{name} for {found[name]}"
+        for name in dict.fromkeys(known.values())
+        if name in found and name not in columns
     ]
     return f"columns are in seconds, metres and degrees: {', '.join(other)}" if other else ""
 
@@ -168,9 +178,11 @@ def _number(cell: str, column: str, where: str, missing: bool) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        comma = f"; {_COMMAS}" if has_decimal_comma(cell) else ""
+        advice = f"; {_COMMAS}" if has_decimal_comma(cell) else ""
+        if column == "t_s" and ":" in cell:
+            advice = "; t_s is in seconds, from any moment on, not a date or a time of day"
         raise Error(
-            f"{where}, column {column}: expected a finite number, found '{cell[:40]}'{comma}"
+            f"{where}, column {column}: expected a finite number, found '{cell[:40]}'{advice}"
         )
     return value
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from omma._core import Image
 from omma.base.files import PathLike
+from omma.base.orientation import TURNS, load_upright, orientation_of
 from omma.job.results_info import Lines
 
 PICTURE_FILES = (".png", ".jpg", ".jpeg", ".webp", ".hdr", ".exr")
@@ -25,7 +25,8 @@ def describe_picture(path: PathLike) -> Lines:
     Raises:
         omma.Error: the file cannot be read.
     """
-    pixels = Image(path).pixels
+    pixels = load_upright(path).pixels
+    orientation = orientation_of(path)
     height, width = pixels.shape[:2]
     lines = [("picture", os.fsdecode(path)), ("size", f"{width:,} x {height:,} pixels")]
     colors = pixels[..., :3]
@@ -33,6 +34,8 @@ def describe_picture(path: PathLike) -> Lines:
         lines.append(("values", f"sRGB, {colors.min()} to {colors.max()} of 255"))
     else:
         lines.append(("values", f"linear, {colors.min():.4g} to {colors.max():.4g}"))
+    if orientation != 1:
+        lines.append(("orientation", f"of EXIF, {orientation}: is shown {TURNS[orientation]}"))
     if width == 2 * height:
         lines.append(("panorama", "of the whole sphere, as it is twice as wide as high"))
     else:

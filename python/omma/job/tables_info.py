@@ -13,7 +13,7 @@ import numpy as np
 from omma._core import Error
 from omma.base.arrays import Floats
 from omma.base.files import PathLike, open_text
-from omma.base.poses import ANGLE_COLUMNS, QUATERNION_COLUMNS, load_poses
+from omma.base.poses import ANGLE_COLUMNS, QUATERNION_COLUMNS, load_timed_poses
 from omma.job.extents import size_words
 from omma.job.places import place_words
 from omma.job.results_info import Lines
@@ -36,10 +36,10 @@ def describe_table(path: PathLike) -> Lines | None:
         return None
     header = _header(path)
     columns = set(header)
+    if {"x_m", "z_m"} <= columns and not {"axis_x", "elevation_deg"} & columns:
+        return _track(name)
     if {"axis_x", "azimuth_deg"} & columns:
         return None
-    if {"x_m", "z_m"} <= columns:
-        return _track(name)
     if {"x", "y", "z"} <= columns and columns & {*QUATERNION_COLUMNS[3:], *ANGLE_COLUMNS[3:]}:
         return _poses(name)
     if any(is_wavelength_name(one) for one in header[:2]):
@@ -83,7 +83,7 @@ def _track(name: str) -> Lines:
     if track.times_s is None:
         duration, speed = "not told: no column t_s", ""
     else:
-        duration = _times(track.times_s)
+        duration = _times(track.times_s, "a position")
         seconds = float(np.ptp(track.times_s))
         speed = f", {way_m / seconds:.4g} m/s in the mean" if seconds > 0 else ""
     heading = "along the way" if track.heading_deg is None else "told, heading_deg"
@@ -100,24 +100,31 @@ def _track(name: str) -> Lines:
     ]
 
 
-def _times(times_s: Floats) -> str:
+def _times(times_s: Floats, each: str) -> str:
+    first, last = (np.format_float_positional(one, trim="-") for one in times_s[[0, -1]])
     if len(times_s) == 1:
-        return f"at {times_s[0]:.6g} s"
-    steps = np.diff(times_s)
+        return f"at {first} s"
+    # Double precision holds no digit below; of times since 1970 that is 0.2 microseconds.
+    digits = -int(np.floor(np.log10(np.spacing(np.abs(times_s).max())))) - 1
+    steps = np.round(np.diff(times_s), digits)
     return (
-        f"{np.ptp(times_s):.6g} s, from {times_s[0]:.6g} to {times_s[-1]:.6g} s, a position each "
+        f"{np.round(np.ptp(times_s), digits):.6g} s, from {first} to {last} s, {each} each "
         f"{np.median(steps):.4g} s, median ({steps.min():.4g} to {steps.max():.4g} s)"
     )
 
 
 def _poses(name: str) -> Lines:
-    poses = load_poses(name)
+    poses, times_s = load_timed_poses(name)
     position_m = poses[:, :3, 3]
     low, high = position_m.min(axis=0), position_m.max(axis=0)
     way_m = float(np.linalg.norm(np.diff(position_m, axis=0), axis=1).sum())
     return [
         ("poses", name),
         ("number", f"{len(poses):,}"),
+        (
+            "duration",
+            "not told: no column t_s" if times_s is None else _times(times_s, "a pose"),
+        ),
         ("bounds", f"{place_words(low)} to {place_words(high)} m"),
         ("extent", size_words(high - low)),
         ("way", f"{way_m:.4g} m"),

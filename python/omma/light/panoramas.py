@@ -12,6 +12,7 @@ from omma._core import Error, Image
 from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
+from omma.base.orientation import load_upright
 from omma.base.pixels import check_radiance, warn_of_bytes
 from omma.base.slips import warn_of_shape
 from omma.light.bands import Bands, primary_spectra
@@ -42,8 +43,8 @@ def panorama(
     nm it is dark. Unpolarised; a sun is as sharp as the picture.
 
     Args:
-        image: Radiance HDR, OpenEXR, PNG or JPEG, or an array (height, width, 3 or 4): uint8 is
-            sRGB, float linear. Of what has alpha that is left out.
+        image: Radiance HDR, OpenEXR, PNG or JPEG, turned as its EXIF says, or an array (height,
+            width, 3 or 4): uint8 is sRGB, float linear. Of what has alpha that is left out.
         ultraviolet: what there is below 400 nm, where pictures know nothing: "dark", "as_blue", or
             a share of blue, in photons. Must be said where bands reach below 400 nm.
         radiance_per_unit: of linear white 1, in ``unit``.
@@ -57,7 +58,8 @@ def panorama(
     check_unit(unit)
     positive(radiance_per_unit, "radiance_per_unit")
     used = bands.wavelength_nm[np.any(bands.weight > 0, axis=0)]
-    blue = _share_of_blue(ultraviolet, float(used[0]))
+    reach_nm = float(used[0] if bands.edges_nm is None else min(used[0], bands.edges_nm[0]))
+    blue = _share_of_blue(ultraviolet, reach_nm)
 
     def lifted(nm: Floats) -> Floats:
         spectra = np.asarray(primary_spectra(nm))
@@ -128,9 +130,11 @@ def _share_of_blue(ultraviolet: str | float | None, shortest_nm: float) -> float
 
 def _linear_rgb(image: PathLike | ArrayLike) -> Floats:
     """Linear RGB (height, width, 3) of a file or an array."""
-    if not isinstance(image, (str, os.PathLike)):
+    if isinstance(image, (str, os.PathLike)):
+        pixels = load_upright(image).pixels[:, :, :3]
+    else:
         array_of(image, "image", (None, None, None), np.float32)
-    pixels = Image(image).pixels[:, :, :3]
+        pixels = Image(image).pixels[:, :, :3]
     if pixels.dtype == np.uint8:
         share = pixels / 255
         # sRGB's own curve.

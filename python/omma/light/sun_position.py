@@ -129,7 +129,8 @@ def observer_at(moment: datetime, latitude_deg: float, longitude_deg: float) -> 
 
 
 def universal(date_time: Any) -> datetime:
-    """A time in UTC; omma.Error where it has no zone or is out of the years that are known."""
+    """A time in UTC; omma.Error where it has no zone, is none of its zone, as
+    clocks skip an hour in spring, or is out of the years that are known."""
     if not isinstance(date_time, datetime):
         raise TypeError(f"date_time: expected a datetime.datetime, found {date_time!r:.40}")
     if date_time.utcoffset() is None:
@@ -142,7 +143,14 @@ def universal(date_time: Any) -> datetime:
             f"date_time: expected a year from {FIRST_YEAR + 1} to {LAST_YEAR - 1}, found "
             f"{date_time.year}"
         )
-    return date_time.astimezone(timezone.utc)
+    moment = date_time.astimezone(timezone.utc)
+    there = moment.astimezone(date_time.tzinfo)
+    if there.replace(tzinfo=None) != date_time.replace(tzinfo=None):
+        raise Error(
+            f"date_time: expected a time that its time zone has, found {date_time.isoformat()}, "
+            f"which is {there.isoformat()} there"
+        )
+    return moment
 
 
 def load_ephem() -> Any:

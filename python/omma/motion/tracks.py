@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +12,7 @@ from omma._core import Error
 from omma.base.arguments import array_of, checked, one_of, positive
 from omma.base.arrays import Floats
 from omma.base.poses import warn_of_radians
-from omma.base.tables import check_growing, read_table, say_units
+from omma.base.tables import HEADINGS, TIMES, check_growing, read_table, say_units, stems_of
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 
@@ -126,9 +123,7 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
     name = os.fsdecode(path)
     one_of(lost, LOST, "lost")
     headers = [(*time, *_PLACE, *heading) for time in (_TIME, ()) for heading in ((), _HEADING)]
-    columns, table, numbers = read_table(
-        path, headers, "position", missing=True, remedy=partial(_remedy, headers)
-    )
+    columns, table, numbers = read_table(path, headers, "position", missing=True, remedy=_remedy)
     lines = np.asarray(numbers)
     known = np.asarray(np.isfinite(table).all(axis=1))
     if lost == "refuse" and not known.all():
@@ -149,26 +144,43 @@ def load_track(path: str | os.PathLike[str], *, lost: str = "refuse") -> Track:
     return Track(np.column_stack([of["x_m"], of["z_m"]]), of.get("heading_deg"), of.get("t_s"))
 
 
-def _remedy(headers: Sequence[tuple[str, ...]], columns: tuple[str, ...]) -> str:
-    """What to do about a file whose columns are others: those of GPS loggers and of maps."""
-    names = {re.split(r"[^a-z]", one)[0]: one for one in columns}
-    units = {"t": "t_s", "time": "t_s", "x": "x_m", "z": "z_m", "heading": "heading_deg"}
-    other = say_units(columns, units)
-    whole = [header for header in headers if set(header) <= set(columns)]
-    if whole and not other:
-        more = [one for one in columns if one not in max(whole, key=len)]
-        return f"leave out {', '.join(more)}"
+def _remedy(columns: tuple[str, ...]) -> str:
+    """What to do about a file whose columns are others: those of GPS loggers, maps and trackers in
+    three dimensions."""
+    stems, whole = stems_of(columns), {*_PLACE} <= {*columns}
+    units = {one: "t_s" for one in TIMES} | {"x": "x_m", "z": "z_m"}
+    units |= {one: "heading_deg" for one in HEADINGS}
     said = []
-    if any(one.startswith("lat") for one in names):
-        said.append("project latitude and longitude to metres first, as to UTM")
-    if any(one.startswith(("lat", "east", "north")) for one in names):
+    if not whole and any(one.startswith(("lat", "east", "north")) for one in stems):
+        del units["z"]
+        if any(one.startswith("lat") for one in stems):
+            said.append("project latitude and longitude to metres first, as to UTM")
         said.append("x_m is the easting and z_m the northing's negative, in metres")
-    elif "y" in names and "z" not in names:
-        y = names["y"]
+    elif "y" in stems and "z" in stems:
+        del units["z"]
+        said.append(_which_is_height(stems["y"], stems["z"]))
+    elif "y" in stems:
+        y = stems["y"]
         said.append(f"z_m is probably the negative of {y}: on maps y leads north, which is -Z")
+    other = say_units(columns, units)
     if other:
         said.append(other)
+    frame = stems.get("frame") or stems.get("frames")
+    if frame and not {*stems} & {*TIMES}:
+        said.append(f"t_s is {frame} divided by the frames of a second")
+    more = [one for one in columns if one not in (*_TIME, *_PLACE, *_HEADING)]
+    if whole and more and not said:
+        said.append(f"leave out {', '.join(more)}")
     return "; ".join(said)
+
+
+def _which_is_height(y: str, z: str) -> str:
+    """What z_m is of a track that has y and z, either of which may be the height."""
+    return (
+        f"z_m is horizontal, in metres south of the origin: where {z} is height, z_m is the "
+        f"negative of {y}, and the height is left out; where {y} is height, leave it out"
+        + ("" if z == "z_m" else f", and z_m is {z}")
+    )
 
 
 def _left_out(known: NDArray[np.bool_], lines: NDArray[np.int64], times_s: Floats | None) -> str:

@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from omma._core import Acceptance, Error, Eye, Image
+from omma._core import Acceptance, Error, Eye
 from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
+from omma.base.orientation import load_upright
 from omma.base.pixels import check_radiance, warn_of_alpha, warn_of_bytes
 from omma.base.poses import as_pose
 from omma.base.slips import warn_of_shape
@@ -166,9 +167,9 @@ def see_panorama(
     """What an eye sees of a panorama: (N, B) float32, linear.
 
     Args:
-        picture: PNG, JPEG and WebP, which are sRGB, Radiance HDR or OpenEXR, linear; or an array as
-            `PanoramaView.see` takes it, with any number of bands. Of files, alpha is left out; of
-            an array of RGBA it would be a band of light.
+        picture: PNG, JPEG and WebP, which are sRGB and turned as their EXIF says, Radiance HDR or
+            OpenEXR, linear; or an array as `PanoramaView.see` takes it, with any number of bands.
+            Of files, alpha is left out; of an array of RGBA it would be a band of light.
         eye, world_from_head: as of `PanoramaView`.
         layout: None: equirectangular, as large as the picture, which is then twice as wide as high;
             the caller is warned of another shape.
@@ -207,7 +208,7 @@ def load_picture(path: PathLike) -> Responses:
     Raises:
         omma.Error: there is no such picture.
     """
-    colors: Responses = linear(Image(path).pixels)[..., :3]
+    colors: Responses = linear(load_upright(path).pixels)[..., :3]
     return colors
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from omma._core import Background, Error
+from omma.base.orientation import load_upright, orientation_of
 
 NAMED_BACKGROUNDS = {
     "simple_sky": Background.simple_sky,
@@ -14,7 +15,7 @@ NAMED_BACKGROUNDS = {
 
 def parse_background(text: str) -> Background:
     """A background from text: "R,G,B" (linear radiance), one of `NAMED_BACKGROUNDS`, or the name of
-    an equirectangular image file.
+    an equirectangular image file, which is turned as its EXIF says.
 
     Raises:
         omma.Error: it is none of these.
@@ -31,4 +32,4 @@ def parse_background(text: str) -> Background:
             f"background: expected R,G,B or {' or '.join(NAMED_BACKGROUNDS)} or an image file, "
             f"found '{text}'"
         )
-    return Background.image(text)
+    return Background.image(load_upright(text).pixels if orientation_of(text) != 1 else text)

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import array_of
+from omma.base.orientation import load_upright
 from omma.base.pixels import check_picture
 
 # A linear colour (r, g, b) or (r, g, b, a), or a picture: an `Image`, an array (height, width, 3 or
-# 4), or the path of a file.
+# 4), or the path of a file, which is turned as its EXIF says.
 Paint = Any
 
 Surface = tuple[NDArray[np.float64], NDArray[np.integer], NDArray[np.float64]]
@@ -91,7 +92,7 @@ def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | 
     """The linear RGBA that a paint multiplies, and the image where it is a picture."""
     white = (1.0, 1.0, 1.0, 1.0)
     if isinstance(paint, (Image, str, os.PathLike)):
-        image = paint if isinstance(paint, Image) else Image(paint)
+        image = paint if isinstance(paint, Image) else load_upright(paint)
         check_picture(image.pixels, name)
         return white, image
     given = array_of(paint, name, dtype=None)

@@ -67,7 +67,11 @@ def calibrate(
     if gray_card is not None:
         card = array_of(gray_card, "gray_card", (channels,))
         if not (np.isfinite(card).all() and (card > 0).all() and (card <= 1).all()):
-            raise Error(f"gray_card: expected a colour above 0 and up to 1, found {tuple(card)}")
+            of_bytes = (card >= 1).all() and (card <= 255).all()
+            hint = "; divide a picture's bytes by 255" if of_bytes else ""
+            raise Error(
+                f"gray_card: expected a colour above 0 and up to 1, found {card.tolist()}{hint}"
+            )
         if scene.splats[0].color_space == "srgb":
             card = linear_of_srgb(card)
         white = within(positive(reflectance, "reflectance"), "reflectance", 0, 1) / card

@@ -75,10 +75,25 @@ def from_trimesh(mesh: Any, *, unit: str | float = "m", up: str = "y") -> Scene:
 def read_stl(path: str) -> Any:
     """What trimesh has of an STL file."""
     trimesh = needs("trimesh", "meshes", "meshes of other formats need trimesh")
+    _expect_whole(path)
     try:
         return trimesh.load(path, file_type="stl", force="scene", process=False)
     except Exception as error:  # its readers raise what they like
         raise Error(f"{path}: trimesh cannot read it: {error}") from error
+
+
+def _expect_whole(path: str) -> None:
+    """omma.Error where an STL file is cut off, of which trimesh has nothing or a part."""
+    with open(path, "rb") as file:
+        content = file.read()
+    count, there = int.from_bytes(content[80:84], "little"), max(len(content) - 84, 0) // 50
+    # Text, whatever its head is called: a count of triangles has zeros.
+    if content.lstrip()[:5].lower() == b"solid" and b"\0" not in content[:84]:
+        text = content.lower()
+        if text.rfind(b"endfacet") > text.rfind(b"endsolid"):
+            raise Error(f"{path}: expected endsolid at the end, found none: it is cut off")
+    elif there < count:
+        raise Error(f"{path}: expected {count:,} triangles, as its head says, found {there:,}")
 
 
 class _Parts:
