@@ -47,9 +47,17 @@ void warn_of_shape(const Image& image) {
   if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) < 0) throw nb::python_error();
 }
 
+// Of a file as its EXIF turns it.
+Image upright_argument(nb::handle source) {
+  if (!nb::isinstance<nb::str>(source) && !nb::hasattr(source, "__fspath__"))
+    return image_argument(source, "image");
+  const nb::object load = nb::module_::import_("omma.base.orientation").attr("load_upright");
+  return nb::cast<Image>(load(source));
+}
+
 Background image_background(nb::handle source) {
   Background background = background_of_type(BackgroundType::image);
-  background.image = image_argument(source, "image");
+  background.image = upright_argument(source);
   warn_of_shape(background.image);
   return background;
 }
@@ -106,9 +114,10 @@ void bind_background(nb::module_& m) {
           "at the top.\n\n"
           "A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file\n"
           "(float: linear radiance, HDR divided by its EXPOSURE; OpenEXR has channels R, G and B,\n"
-          "or Y alone), or an array of shape (height, width, 3 or 4) or, of greys, (height,\n"
-          "width): uint8 is sRGB, float is linear radiance. Between the middles of pixels it is\n"
-          "interpolated, which takes contrast from what is a few pixels wide.\n\n"
+          "or Y alone), turned as its EXIF says, or an array of shape (height, width, 3 or 4)\n"
+          "or, of greys, (height, width): uint8 is sRGB, float is linear radiance. Between the\n"
+          "middles of pixels it is interpolated, which takes contrast from what is a few pixels\n"
+          "wide.\n\n"
           "Raises `omma.Error` where the file or the array is not such an image.\n"
           "Warns `UserWarning` where it is not twice as wide as high.")
       .def_prop_ro(

@@ -166,7 +166,7 @@ TEST(ValidateScene, RefusesRadianceBeyondSinglePrecision) {
   expect_invalid(
       [&](Scene& s) {
         s.materials[0].base_color.y = 1e8f;
-        s.meshes[0].colors[1].x = -1e8f;
+        s.meshes[0].colors[1].x = 1e8f;
       },
       "mesh 0 \"Tri\": its colour");
   expect_invalid(

@@ -28,7 +28,8 @@ def test_pictures_of_files_are_turned_as_their_exif_says(tmp_path, kind, orienta
     near = {"rtol": 0, "atol": 0 if kind == "png" else 3}
     found = load_upright(path).pixels[..., :3]
     np.testing.assert_allclose(found.astype(int), upright.astype(int), **near)
-    np.testing.assert_array_equal(parse_background(str(path)).pixels[..., :3], found)
+    for background in (parse_background(str(path)), omma.Background.image(path)):
+        np.testing.assert_array_equal(background.pixels[..., :3], found)
     wall = plane((1, 1), paint=path)
     np.testing.assert_array_equal(wall.images[0].pixels[..., :3], found)
     if orientation < 5:

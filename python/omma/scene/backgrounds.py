@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from omma._core import Background, Error
-from omma.base.orientation import load_upright, orientation_of
 
 NAMED_BACKGROUNDS = {
     "simple_sky": Background.simple_sky,
@@ -32,4 +31,4 @@ def parse_background(text: str) -> Background:
             f"background: expected R,G,B or {' or '.join(NAMED_BACKGROUNDS)} or an image file, "
             f"found '{text}'"
         )
-    return Background.image(load_upright(text).pixels if orientation_of(text) != 1 else text)
+    return Background.image(text)

@@ -236,12 +236,26 @@ OMMA_HD_CALLED void add_aimed(const DiscTask& of_replicate, int u, Search& searc
   }
 }
 
+// What eval_beside_rays calls for replicate u: `give(u, o)`, for what its rays bring in output o
+// and the square of its error; `take(u)`, when what it sees besides is in memory.beside,
+// beside_variance and beside_moments.
+struct ByRays {
+  double light, variance;
+};
+template <typename Give, typename Take>
+struct BesideCalls {
+  Give give;
+  Take take;
+};
+template <typename Give, typename Take>
+BesideCalls(Give, Take) -> BesideCalls<Give, Take>;
+
 // What each replicate of a list sees besides what its rays bring, of discs of the sky and where it
-// aims: `take(u)` is called when that is in memory.beside, beside_variance and beside_moments.
-template <typename L, typename Search, typename Take>
+// aims.
+template <typename L, typename Search, typename Calls>
 OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& task,
                                      const ReplicateList& list, Search& search,
-                                     const BlockMemory& memory, const Take& take) {
+                                     const BlockMemory& memory, const Calls& calls) {
   InMemory<L, Replicates<L>> own;
   Replicates<L>& replicates = own.in(memory.replicates);
   make_replicates<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized},
@@ -250,6 +264,11 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
   const bool has_cones = has_aims(frame) && find_cones(frame, task, replicates, list.count, memory);
   for (int u = 0; u < list.count; ++u) {
     for (int o = 0; o < frame.outputs; ++o) memory.beside[o] = memory.beside_variance[o] = 0;
+    for (int o = 0; o < outputs_of_discs(frame); ++o) {
+      const ByRays by_rays = calls.give(u, o);
+      memory.by_rays[o] = by_rays.light;
+      memory.by_rays_variance[o] = by_rays.variance;
+    }
     for (int i = 0; frame.beside_moments && i < axis_moments * frame.outputs; ++i)
       memory.beside_moments[i] = 0;
     const Replicate replicate = replicate_at(replicates, u);
@@ -257,7 +276,7 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
     if (has_cones)
       add_aimed<L>({&frame, &task, frame.directions->warps + replicate.warp, nullptr, &replicate},
                    u, search, memory);
-    take(u);
+    calls.take(u);
   }
 }
 

@@ -80,7 +80,10 @@ OMMA_HD void trace_list(const BlockRun<Search>& run, const ReplicateList& list) 
   trace_replicates<L>(run, *frame.directions, list);
   if (!sees_beside_rays(frame)) return;
   const int samples = frame.directions->samples;
-  eval_beside_rays<L>(frame, task, list, run.search, memory, [&](int u) {
+  const auto give = [&](int u, int o) {
+    return ByRays{memory.sums[o * memory.stride + list.sums_at + u] / samples, 0};
+  };
+  const auto take = [&](int u) {
     const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
     for (int o = 0; o < frame.outputs; ++o) {
       const double seen = memory.beside[o];
@@ -92,7 +95,8 @@ OMMA_HD void trace_list(const BlockRun<Search>& run, const ReplicateList& list) 
         rows[(1 + m) * frame.outputs] =
             static_cast<float>(memory.beside_moments[m * frame.outputs + o] * frame.radiance_unit);
     }
-  });
+  };
+  eval_beside_rays<L>(frame, task, list, run.search, memory, BesideCalls{give, take});
 }
 
 // Renders the ommatidia of a list, each with as many rays. In one lane there is one, whose
@@ -120,12 +124,18 @@ OMMA_HD void render_discs(const BlockRun<Search>& run, const ReplicateList& list
   const BlockTask& task = run.task;
   const BlockMemory& memory = run.memory;
   if (!sees_beside_rays(frame)) return;
-  eval_beside_rays<L>(frame, task, list, run.search, memory, [&](int u) {
+  const auto response = [&](int u, int o) -> float& {
     const std::int64_t ommatidium = frame.eye->ommatidium[ordinal_of(task, list, u)];
+    return task.responses[ommatidium * frame.outputs + o];
+  };
+  const auto give = [&](int u, int o) {
+    return ByRays{static_cast<double>(response(u, o)) / frame.radiance_unit, 0};
+  };
+  const auto take = [&](int u) {
     for (int o = 0; o < frame.outputs; ++o)
-      task.responses[ommatidium * frame.outputs + o] +=
-          static_cast<float>(memory.beside[o] * frame.radiance_unit);
-  });
+      response(u, o) += static_cast<float>(memory.beside[o] * frame.radiance_unit);
+  };
+  eval_beside_rays<L>(frame, task, list, run.search, memory, BesideCalls{give, take});
 }
 
 // All ommatidia of a block, under so many scrambles.

@@ -110,8 +110,12 @@ struct BlockMemory {
   // In lit worlds: what a replicate sees of discs of the sky and of what it aims at (eye_discs.h,
   // aimed_rays.h) besides its rays, and the square of its error, [output].
   double *beside = nullptr, *beside_variance = nullptr;
-  // Of one replicate, on a disc: sums [disc_batches][band]; its light and error, [2][band].
-  double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr;
+  // Of the same replicate what its rays bring, and the square of its error where an error is to be
+  // reached, [output of discs].
+  double *by_rays = nullptr, *by_rays_variance = nullptr;
+  // Of one replicate, on a disc: sums [disc_batches][band]; its light and error, [2][band]; bounds
+  // on what the whole of one adds, [band].
+  double *disc_all = nullptr, *disc_seen = nullptr, *disc_light = nullptr, *disc_bound = nullptr;
   // Where moments of what is seen beside rays are asked for, [axis_moments] of them: of a
   // replicate, [moment][output]; of it on discs and of sums over points of one, [moment][band]; of
   // a cone, [moment][output].
@@ -203,6 +207,11 @@ OMMA_HD Visits<1> lay_out_visits(Scratch& scratch) {
           scratch.take<Visit<1>>(stack_capacity(most_top_depth))};
 }
 
+// Outputs that light of discs, which is unpolarised, is in: the first ones.
+OMMA_HD int outputs_of_discs(const FrameView& frame) {
+  return frame.output_from_band == nullptr ? frame.scene->bands : frame.outputs;
+}
+
 // What replicates see besides their rays, in lit worlds. Discs are done with before rays are aimed.
 OMMA_HD void lay_out_beside(Scratch& scratch, const FrameView& frame, BlockMemory& memory) {
   const auto outputs = static_cast<std::size_t>(frame.outputs);
@@ -215,9 +224,12 @@ OMMA_HD void lay_out_beside(Scratch& scratch, const FrameView& frame, BlockMemor
     for (double** const moments :
          {&memory.disc_moments, &memory.disc_all_moments, &memory.disc_seen_moments})
       *moments = discs.take<double>(axis_moments * bands);
+  for (double** const values : {&memory.by_rays, &memory.by_rays_variance})
+    *values = discs.take<double>(static_cast<std::size_t>(outputs_of_discs(frame)));
   memory.disc_all = discs.take<double>(disc_batches * bands);
   memory.disc_seen = discs.take<double>(disc_batches * bands);
   memory.disc_light = discs.take<double>(2 * bands);
+  memory.disc_bound = discs.take<double>(bands);
   if (frame.scene->light->aim_count > 0) {
     memory.aimed = scratch.take<double>(disc_batches * outputs);
     if (frame.beside_moments) memory.aimed_moments = scratch.take<double>(axis_moments * outputs);

@@ -201,6 +201,14 @@ OMMA_HD void trace_members(const BlockRun<Search>& run, const Round& round,
   }
 }
 
+// What the rays of ommatidium i of the block bring in output o.
+OMMA_HD ByRays by_rays_of(const ErrorMemory& known, int i, int o) {
+  const double rays = known.rays[i];
+  return {known.sums[o * most_per_block + i] / rays,
+          scaled_variance(known, i, o, known.roots[i]) / (rays * rays) +
+              known.of_cells[o * most_per_block + i]};
+}
+
 // The response of ommatidium i of the block, which has no round to come; what it sees beside its
 // rays is in memory.beside.
 OMMA_HD void end_ommatidium(const FrameView& frame, const BlockTask& task,
@@ -213,10 +221,7 @@ OMMA_HD void end_ommatidium(const FrameView& frame, const BlockTask& task,
     reduce_truth(frame, task, known.truth, {ordinal, i, 1, known.rays[i]});
   for (int o = 0; o < frame.outputs; ++o) {
     const std::int64_t out = ommatidium * frame.outputs + o;
-    const double rays = known.rays[i];
-    double response = known.sums[o * most_per_block + i] / rays;
-    double variance = scaled_variance(known, i, o, known.roots[i]) / (rays * rays) +
-                      known.of_cells[o * most_per_block + i];
+    auto [response, variance] = by_rays_of(known, i, o);
     if (sees_beside_rays(frame)) {
       response += memory.beside[o];
       variance += memory.beside_variance[o];
@@ -231,9 +236,11 @@ OMMA_HD void end_ommatidium(const FrameView& frame, const BlockTask& task,
 // `first` of the block on.
 template <typename L, typename Search>
 OMMA_HD void end_ommatidia(const BlockRun<Search>& run, const ReplicateList& list, int first) {
+  const auto give = [&](int u, int o) { return by_rays_of(run.memory.error, first + u, o); };
   const auto end = [&](int u) { end_ommatidium(run.frame, run.task, run.memory, first + u); };
   if (sees_beside_rays(run.frame))
-    return eval_beside_rays<L>(run.frame, run.task, list, run.search, run.memory, end);
+    return eval_beside_rays<L>(run.frame, run.task, list, run.search, run.memory,
+                               BesideCalls{give, end});
   for (int u = 0; u < list.count; ++u) end(u);
 }
 

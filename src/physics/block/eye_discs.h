@@ -7,7 +7,8 @@
 // V the part of the light that nothing hides. The integral without V is a quadrature; how much of
 // it is open comes of shadow rays to points all over the disc (a ratio estimator, within 0 and the
 // whole). First a few of them, which are not counted, say whether the disc is partly hidden; only
-// then there are many. As they choose how many there are and nothing else, the mean stays right.
+// then there are many, by what that makes of the response. As they choose how many there are and
+// nothing else, the mean stays right.
 //
 // Rays from the eye leave out what is sampled here (counts_by_rays): discs that are not much larger
 // than the acceptance. What fills an acceptance is found by its rays as well as any other surface
@@ -31,12 +32,11 @@ struct DiscEffort {
   int pilot = 0, plain = 0, mixed = 0;  // the pilot's are all in one
 };
 
-// `most`: a bound on what the disc adds, in units of what a surface gets; `over`: how many times
-// the acceptance's solid angle the disc is, as only that part of its points counts. A half hidden
-// disc that outshines all else is then off by some 0.4 %, others by less than what rays of the rest
-// are.
+// `most`: a bound on what the disc adds, in units of what an ommatidium gets by its rays; `over`:
+// how many times the acceptance's solid angle the disc is, as only that part of its points counts.
+// A half hidden disc that outshines all else is then off by some 0.4 %, others by less than what
+// rays of the rest are.
 OMMA_HD DiscEffort choose_disc_effort(double most, double over) {
-  if (!(most >= least_disc_light)) return {};
   DiscEffort effort{64, 8, 512};
   if (most < 50) effort = {32, 4, 128};
   if (most < 5) effort = {16, 2, 32};
@@ -213,16 +213,6 @@ OMMA_HD_CALLED void add_disc_sums(const DiscTask& of, const DiscSums& sums, doub
   }
 }
 
-// How many points a replicate looks at of a disc.
-template <typename L>
-OMMA_HD_CALLED DiscEffort disc_effort(const DiscTask& of) {
-  float most = 0;
-  for (int b = 0; b < of.frame->scene->bands; ++b) most = fmaxf(most, of.disc->radiance[b]);
-  const double solid_sr = 1 / static_cast<double>(of.disc->density);
-  return choose_disc_effort(static_cast<double>(most) * solid_sr * most_unit_pdf(of),
-                            solid_sr / static_cast<double>(of.replicate->acceptance_sr));
-}
-
 // Whether ommatidia of a frame sample discs; rays that neighbours share have no acceptance.
 OMMA_HD bool has_discs(const FrameView& frame) {
   return frame.scene->light != nullptr && frame.scene->light->disc_count > 0 &&
@@ -251,6 +241,86 @@ OMMA_HD double square_of(const FrameView& frame, int o, const double* error_2) {
   return error * error;
 }
 
+// Bounds on what the whole of a disc adds, [band], into memory.disc_bound. False where it adds
+// nothing.
+template <typename L>
+OMMA_HD_CALLED bool bound_disc(const DiscTask& of, const BlockMemory& memory) {
+  const double whole = most_unit_pdf(of) / static_cast<double>(of.disc->density);
+  double most = 0;
+  for (int b = 0; b < of.frame->scene->bands; ++b) {
+    memory.disc_bound[b] = static_cast<double>(of.disc->radiance[b]) * whole;
+    most = fmax(most, memory.disc_bound[b]);
+  }
+  return most >= least_disc_light;
+}
+
+// What is much dimmer than an ommatidium's brightest output is not asked for by its own size.
+inline constexpr double dim_output = 0.01;
+
+// What an ommatidium gets by its rays in output o, at least `dim_output` of its largest.
+OMMA_HD double light_by_rays(const FrameView& frame, const BlockMemory& memory, int o) {
+  double most = 0;
+  for (int i = 0; i < outputs_of_discs(frame); ++i) most = fmax(most, fabs(memory.by_rays[i]));
+  return fmax(fabs(memory.by_rays[o]), dim_output * most);
+}
+
+// How many points a replicate looks at of a disc, whose bounds are in memory.disc_bound.
+template <typename L>
+OMMA_HD_CALLED DiscEffort disc_effort(const DiscTask& of, const BlockMemory& memory) {
+  double most = 0;
+  for (int o = 0; o < outputs_of_discs(*of.frame); ++o) {
+    const double bound = fabs(output_of(*of.frame, o, memory.disc_bound));
+    // 100 is as good as infinite.
+    most = fmax(most, bound / fmax(light_by_rays(*of.frame, memory, o), 0.01 * bound + 1e-300));
+  }
+  return choose_disc_effort(most, 1 / static_cast<double>(of.disc->density) /
+                                      static_cast<double>(of.replicate->acceptance_sr));
+}
+
+// The error that what a replicate sees of a disc may have, of which output o is `light` with it: 1
+// % with 16 rays, as those fall; to reach a target 0.4 of what is left of it, as the error of
+// batches is claimed, which is some 1.7 times that of all points together.
+OMMA_HD double asked_of_disc(const FrameView& frame, const BlockMemory& memory, int o,
+                             double light) {
+  if (frame.most_samples <= 0)
+    return 0.04 * light / sqrt(static_cast<double>(frame.directions->samples));
+  const double target = fmax(frame.relative_error * light, frame.error / frame.radiance_unit);
+  return 0.4 * sqrt(fmax(target * target - memory.by_rays_variance[o], 0.1 * target * target));
+}
+
+// Points for each batch on a disc that is partly hidden, of which the pilot's points, whose sums
+// these are, see a part. How much of a disc n even points find open is off by up to n^(-3/4) / 2
+// where it has an edge, so that little of it needs many. Powers of two, as last bits must not
+// decide.
+template <typename L>
+OMMA_HD_CALLED int points_of_mixed(const DiscTask& of, const DiscSums& pilot, int least,
+                                   const BlockMemory& memory) {
+  const FrameView& frame = *of.frame;
+  double all = 0, seen = 0;
+  for (int b = 0; b < frame.scene->bands; ++b) {
+    all += pilot.all[b];
+    seen += pilot.seen[b];
+  }
+  const double open = all > 0 ? seen / all : 0;
+  double most = 0;
+  for (int o = 0; o < outputs_of_discs(frame); ++o) {
+    const double bound = fabs(output_of(frame, o, memory.disc_bound));
+    if (!(bound > 0)) continue;
+    const double light = light_by_rays(frame, memory, o) + open * bound;
+    most = fmax(most, 0.5 * bound / asked_of_disc(frame, memory, o, light));
+  }
+  const double over = fmax(1.0, 1 / (static_cast<double>(of.disc->density) *
+                                     static_cast<double>(of.replicate->acceptance_sr)));
+  const int samples = frame.most_samples > 0 ? frame.most_samples : frame.directions->samples;
+  const int largest = samples < 128 ? 64 * samples : 8192;
+  int each = least;
+  for (; each < largest; each *= 2) {
+    const double n = disc_batches * each / over;
+    if (n * n * n >= most * most * most * most) break;
+  }
+  return each;
+}
+
 // Adds what a replicate sees of discs that its rays leave out to memory.beside, the square of its
 // error to memory.beside_variance and its moments to memory.beside_moments.
 template <typename L, typename Search>
@@ -270,8 +340,8 @@ OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
                       &disc,
                       &replicate,
                       mix_bits_32(replicate.hash + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
-    const DiscEffort effort = disc_effort<L>(of);
-    if (effort.plain == 0) continue;
+    if (!bound_disc<L>(of, memory)) continue;
+    const DiscEffort effort = disc_effort<L>(of, memory);
     if (!any) {
       for (int b = 0; b < 2 * bands; ++b) of_band[b] = 0;
       for (int k = 0; frame.beside_moments && k < axis_moments * bands; ++k)
@@ -283,7 +353,8 @@ OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
     int each = effort.plain;
     if (effort.pilot > 0) {
       trace_disc<L>(of, search, memory, {1, 1, effort.pilot}, sums);
-      if (sums.any_open && sums.any_hidden) each = effort.mixed;
+      if (sums.any_open && sums.any_hidden)
+        each = points_of_mixed<L>(of, sums, effort.mixed, memory);
     }
     trace_disc<L>(of, search, memory, {0, disc_batches, each}, sums);
     if (sums.any_open) add_disc_sums<L>(of, sums, of_band, memory.disc_moments);
