@@ -28,6 +28,23 @@ def test_bands_side_by_side_weigh_as_their_edges_do():
     )
 
 
+def test_a_receptor_that_sees_nothing_from_300_to_700_nm_is_refused():
+    infrared = ReceptorType(
+        "infrared",
+        wavelength_nm=[710, 750, 800],
+        sensitivity=[0.5, 1, 0.5],
+        absorption_per_m=6700.0,
+        length_m=2e-4,
+    )
+    for options in ({}, {"bands": Bands.equal(16)}, {"edges_nm": [300, 500, 700]}):
+        with pytest.raises(omma.Error, match="'infrared': expected a sensitivity between 300 and"):
+            omma.receptors.receptor_matrix(infrared, **options)
+    eye = bee().replace(receptor_types=[infrared], receptors=[[0]] * 6)
+    light = omma.light.uniform_sky(1e16)
+    with pytest.raises(omma.Error, match="'infrared': expected a sensitivity between 300 and"):
+        omma.receptors.photon_catch(eye, np.ones(6), light, integration_time_s=0.03)
+
+
 def test_one_band_per_receptor_gives_its_answer_at_once():
     eye = bee()
     nm = np.arange(300, 701.0)

@@ -143,6 +143,10 @@ def test_a_colour_without_a_distance_leaves_a_gap(tmp_path, drawn):
             "a row for each of 2 wavelengths",
         ),
         (lambda to: cv.plot_triangle(to, [1, 1, 1], spectrum=([400], [[1, 1, 1]])), "at least two"),
+        (
+            lambda to: cv.plot_triangle(to, [1, 1, 1], spectrum=([0.4, 0.5], np.eye(3)[:2])),
+            "spectrum: expected wavelengths of 100 to 5000 nm, found 0.4 to 0.5",
+        ),
         (lambda to: cv.plot_distances(to, [1, -1], ["a", "b"]), "from 0 on"),
         (lambda to: cv.plot_distances(to, [[1, 2]], ["a"]), "series: expected 2 names"),
         (lambda to: cv.plot_distances(to, [1], ["a"], threshold=0), "threshold"),
@@ -176,6 +180,48 @@ def test_long_names_stay_in_the_figure(tmp_path, drawn, plot, colour):
     box = legend.get_window_extent()
     assert box.x1 <= figure.bbox.x1
     assert all(box.x0 >= panel.get_tightbbox().x1 for panel in figure.axes)
+
+
+def test_a_legend_of_many_names_stays_in_the_figure(tmp_path, drawn):
+    names = [f"species {k}" for k in range(36)]
+    for colours in (np.random.default_rng(1).random((36, 3)), np.eye(36, 3) + 0.1):
+        cv.plot_triangle(tmp_path / "a.png", colours, labels=names)
+    for figure in drawn:
+        (legend,) = figure.legends
+        assert [text.get_text() for text in legend.get_texts()] == names
+        box, page = legend.get_window_extent(), figure.bbox
+        assert 0 <= box.y0 < box.y1 <= page.y1
+        assert box.x1 <= page.x1
+
+
+def test_names_stand_as_they_are(tmp_path, drawn):
+    """Names that begin with an underscore had no entry, and between two $ was mathematics."""
+    names = ["_leaf", "petal $a$ and $b_1$"]
+    cv.plot_hexagon(tmp_path / "a.svg", [[0.2, 0.6, 0.7], [0.4, 0.5, 0.5]], labels=names)
+    cv.plot_triangle(tmp_path / "b.svg", np.eye(3), classes=["$S$ $1$", "M", "L"], title="$t$ $1$")
+    cv.plot_distances(tmp_path / "c.svg", [[1, 2]], ["$a$ or $b$"], series=names)
+    assert set(names) <= set(svg_texts(tmp_path / "a.svg"))
+    assert {"$S$ $1$", "$t$ $1$"} <= set(svg_texts(tmp_path / "b.svg"))
+    assert {*names, "$a$ or $b$"} <= set(svg_texts(tmp_path / "c.svg"))
+
+
+def test_each_dot_of_a_spectrum_has_its_number(tmp_path, drawn):
+    nm = np.arange(300.0, 701, 10)
+    peaks = np.array([350, 440, 540])
+    alone = np.exp(-(((nm[:, None] - peaks) / 40) ** 2)) + 1e-6
+    cv.plot_triangle(tmp_path / "a.png", [1, 1, 1], spectrum=(nm, alone))
+    (panel,) = drawn[0].axes
+    dots = [line.get_xydata()[0] for line in panel.lines if line.get_markersize() == 2]
+    numbers = [np.array(text.xy) for text in panel.texts if text.get_text().isdecimal()]
+    assert len(dots) == len(numbers) > 3
+    np.testing.assert_allclose(dots, numbers)
+    # Each stands nearest to its own dot.
+    drawn[0].canvas.draw()
+    places = panel.transData.transform(dots)
+    for k, text in enumerate(one for one in panel.texts if one.get_text().isdecimal()):
+        box = text.get_window_extent()
+        middle = np.array([(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2])
+        assert np.argmin(np.linalg.norm(places - middle, axis=1)) == k
 
 
 def test_as_many_marks_as_names():

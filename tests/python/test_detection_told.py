@@ -87,6 +87,7 @@ def test_fewer_ommatidia_than_are_summed_over_are_told():
         (lambda: Observer(receptors="green"), "receptors: expected a sequence of names"),
         (lambda: Observer(by="achromatic"), "receptors: expected the one that is achromatic"),
         (lambda: Observer(noise=(0.1, -1)), "noise: expected finite numbers above 0"),
+        (lambda: Observer(noise=(13, 13, 15)), "found 13 or more; 13 per cent would be 0.13"),
         (
             lambda: omma.detect(bee(), DiscTarget(1, 0, 1), LIGHT, Observer(receptors=("red",))),
             "receptors: expected one of ultraviolet, blue, green, found 'red'",

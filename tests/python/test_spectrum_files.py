@@ -330,3 +330,27 @@ def test_a_sky_by_its_irradiance():
         omma.light.measured_sky(flat, "lux")
     with pytest.raises(omma.Error, match=r"spectrum: expected values from 300 to 700 nm"):
         omma.light.measured_sky(omma.light.Spectrum([400, 700], [1, 1]), "watts")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("units", ["nm,%,%", "(nm),%,%", "nanometers,percent,"])
+def test_a_line_of_units_below_the_names(tmp_path, units):
+    """The units had replaced the names."""
+    found = load_spectra(written(tmp_path, f"wl,a,b\n{units}\n300,5,3\n700,72,61\n"))
+    assert list(found) == ["a", "b"]
+    assert found["a"].value.tolist() == [0.05, 0.72]
+    one = load_spectra(
+        written(tmp_path, "wavelength;a\nnm;%\n300;5\n700;72\n"), range_nm=(400, 500)
+    )
+    assert list(one) == ["a"]
+
+
+def test_irradiances_in_another_unit_are_told():
+    for unit, most in (
+        ("watts", 120.0),
+        ("microwatts_per_cm2", 12e3),
+        ("photons", 3e20),
+        ("micromoles", 500.0),
+    ):
+        with pytest.warns(UserWarning, match=f"irradiance, in {unit}: .* is unusual"):
+            omma.light.measured_sky(omma.light.Spectrum([300, 700], [0.0, most]), unit)

@@ -17,6 +17,7 @@ from omma.base.files import PathLike, WholeFiles, check_ending, check_target
 from omma.base.optional import needs
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 INK = "#222222"
@@ -97,6 +98,22 @@ def wrapped(title: str, letters: int) -> str:
             lines[-1] += ","
             lines.append(part)
     return "\n".join(textwrap.fill(line, letters) for line in lines)
+
+
+def plain(name: str) -> str:
+    """A name that is drawn as it stands: between two $ Matplotlib reads mathematics."""
+    return name.replace("$", r"\$")
+
+
+def legend_of(
+    owner: Axes | Figure, marks: Sequence[Any], names: Sequence[str], **place: Any
+) -> Any:
+    """A legend of marks by names as they stand; Matplotlib's own leaves out those that begin with
+    an underscore."""
+    legend = owner.legend(marks, [f"{k}" for k in range(len(names))], frameon=False, **place)
+    for text, name in zip(legend.get_texts(), names, strict=True):
+        text.set_text(plain(name))
+    return legend
 
 
 def save_figure(figure: Figure, names: Sequence[str], dpi: float = 200) -> None:

@@ -42,6 +42,8 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     # Flies turn by some thousand degrees in a second.
     "angular velocity": (0.0, 100.0, "rad/s"),
     "direction": (-math.tau, math.tau, "rad"),
+    # The sun's outside of the air is 2.2 at most.
+    "irradiance": (0.0, 5.0, "W m⁻² nm⁻¹"),
     "diameter": (1e-6, 2e-2, "m"),
     "rhabdom length": (1e-6, 1e-2, "m"),
     "absorption": (1e2, 1e5, "per m"),

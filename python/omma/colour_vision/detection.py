@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from omma._core import Error, Eye
@@ -13,6 +13,7 @@ from omma.base.progress import Progress
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.colour_vision.disc_views import DiscView
+from omma.colour_vision.distance_search import Search
 from omma.colour_vision.observer import Decision, Observer
 from omma.colour_vision.scene_views import SceneView
 from omma.colour_vision.targets import DiscTarget, SceneTarget
@@ -24,17 +25,8 @@ from omma.rendering.without_polarisation import tell_detection_without_polarisat
 # Rays by which a distance is looked for, to a factor of two, and then until its standard error is
 # small enough.
 _FIRST, _MORE = Fixed(64), (Fixed(256), Fixed(2048), Fixed(16384))
-_ENOUGH = 0.005
 # So many times as many are named where they are too few.
 _MANY_MORE = 8
-# By how many standard errors a target is told, or not, at the end of where it is looked for.
-_SURE = 4
-# How near the two distances come between which the answer is taken as on a straight line, and how
-# far apart those are from which its error follows.
-_CLOSE, _STEP = 1.002, 1.1
-
-# By how much a criterion is passed at a distance, and the standard error of that.
-Excess = Callable[[Looking, float], tuple[float, float]]
 
 
 @value_class
@@ -43,8 +35,8 @@ class Detection:
     """From how far a target is detected, as `detect` finds it.
 
     Attributes:
-        distance_m: between target and head, where the criterion is just reached; 0 where it is not
-            even at the nearest distance, infinite where it still is at the farthest.
+        distance_m: between target and the head's origin, the farthest at which the criterion is
+            reached; 0 where it is at none, infinite where it still is at the farthest.
         standard_error_m: of that, from the rays; NaN where there is no such distance, infinite
             where too few rays meet the target there.
         diameter_rad: angular diameter of the target there; NaN where there is no such distance.
@@ -70,9 +62,13 @@ def detect(
     """From how far an animal tells a target from what surrounds it, with an error bar.
 
     A disc or a thing in a scene is rendered for the eye at distances between which the answer is
-    found by bisection, always by the same rays. Near the target more ommatidia see it, each more of
-    it, so that what is told falls with the distance. The observer is ideal: it knows where the
-    target would be, how large it is and of what colour. Animals are worse (docs/colours.md).
+    found by bisection, the same ommatidia always by the same rays. Each ommatidium looks from where
+    its lens is. Far off, what is told falls with the distance. Near the head, where lenses a
+    millimetre or two beside its middle count, others look at the target at each distance, or none
+    may, as where both eyes look past it: there distances are looked at in steps of a factor of √2,
+    and a target that is not told at one may be told farther off. The observer is ideal: it knows
+    where the target would be, how large it is and of what colour. Animals are worse
+    (docs/colours.md).
 
     Args:
         eye: an animal's, with receptors of which catches are known (`photon_catch`).
@@ -98,8 +94,8 @@ def detect(
 
     Raises:
         omma.Error: an argument out of its range, an eye of which catches are not known, receptors
-            or noise that the eye does not have, colour in ommatidia that lack a class, a target
-            where no ommatidium looks.
+            or noise that the eye does not have, receptors that the ommatidia lack which count at
+            the farthest distance, a target where no ommatidium looks.
 
     Warns:
         UserWarning: too few rays meet the target to give the distance an error; receptors that
@@ -131,44 +127,29 @@ def detect(
             f"{observer.azimuth_deg:g}, elevation {observer.elevation_deg:g} degrees"
         )
 
+    decision.expect_classes(eye, view, far)
     stages = (_FIRST, *(_MORE if sampling is None else (sampling,)))
     done = 0
 
     def by(rays: Fixed, nearest_m: float) -> Looking:
-        return view.through(decision.ommatidia(view, nearest_m), rays, seed)
+        return decision.looking(view, nearest_m, rays, seed)
 
     def excess(seen_by: Looking, distance_m: float) -> tuple[float, float]:
         if progress is not None:
             progress(done / len(stages))
         return decision.excess(seen_by, distance_m)
 
-    low = near
-    while 2 * low < far and excess(by(_FIRST, 2 * low), 2 * low)[0] >= 0:
-        low *= 2
-    found, error = 0.0, math.nan
+    search = Search((near, far), view.settled_m(), by, excess)
+    begin = search.begin_m(_FIRST)
     for rays in stages[1:]:
         done += 1
-        seen_by = by(rays, low)
-        # Fewer rays may have missed the target, or met too much of it.
-        while (value := excess(seen_by, low))[0] < 0 and low > near:
-            low = max(low / 2, near)
-            seen_by = by(rays, low)
-        high = low
-        while value[0] >= 0 and high < far:
-            low, high = high, min(2 * high, far)
-            value = excess(seen_by, high)
-        if low < high and value[0] < 0:
-            found, error = _between(excess, seen_by, low, high)
-            sure = error <= _ENOUGH * found
-        else:
-            found = 0.0 if value[0] < 0 else math.inf
-            error = math.nan if math.isfinite(value[1]) else math.inf
-            sure = abs(value[0]) > _SURE * value[1]
-        if sure:
+        answer = search.answer(rays, begin)
+        if answer.sure:
             break
-        low = min(max(found / math.sqrt(2), near), max(far / 2, near))
+        begin = answer.begin_m
     if progress is not None:
         progress(1.0)
+    found, error = answer.distance_m, answer.standard_error_m
     if math.isinf(error):
         warn_caller(
             f"sampling: of 8 x {rays.samples} rays too few meet the target, or its edge, to tell "
@@ -177,24 +158,6 @@ def detect(
             UserWarning,
         )
     return Detection(found, error, _diameter_rad(target, found))
-
-
-def _between(excess: Excess, seen_by: Looking, low: float, high: float) -> tuple[float, float]:
-    """Where between two distances the criterion is reached, and the standard error of that."""
-    above, below = (excess(seen_by, one)[0] for one in (low, high))
-    while high / low > _CLOSE:
-        middle = math.sqrt(low * high)
-        value = excess(seen_by, middle)[0]
-        if value >= 0:
-            low, above = middle, value
-        else:
-            high, below = middle, value
-    found = low * (high / low) ** (above / (above - below))
-    error = excess(seen_by, found)[1]
-    near, far = (excess(seen_by, found * step)[0] for step in (1 / _STEP, _STEP))
-    slope = (near - far) / (2 * math.log(_STEP))
-    # Without an error no ray is at the target's edge, and the criterion is passed by a step.
-    return found, found * error / slope if slope > 0 and error > 0 else math.inf
 
 
 def _ends(between_m: Sequence[float]) -> tuple[float, float]:

@@ -108,14 +108,14 @@ class DiscSeen:
     def __init__(
         self, renderer: Renderer, on_disc: Floats, catches: Callable[[float], tuple[Floats, Floats]]
     ):
-        self.eye = renderer.eye
+        self._eye = renderer.eye
         self._renderer, self._on_disc, self._catches = renderer, on_disc, catches
 
     def at(self, distance_m: float) -> Seen:
         """From this distance between the disc's middle and the head's origin."""
         pose = self._on_disc.copy()
         pose[2, 3] += distance_m
-        ones = np.ones((len(self.eye.receptor_types), 1))
+        ones = np.ones((len(self._eye.receptor_types), 1))
         with warnings.catch_warnings():
             # Of far heads: rays are rounded by 2⁻²⁴ of the distance, all alike, which shifts the
             # disc by so much (`View.farthest_m`).
@@ -124,7 +124,8 @@ class DiscSeen:
         share, error = share[0].astype(np.float64), error[0].astype(np.float64)
         ground, more = self._catches(distance_m)
         same = not np.any(more)
-        return Seen(ground, more * share, np.abs(more) * error, same or met(share, error))
+        enough = same or met(share, error)
+        return Seen(self._eye, ground, more * share, np.abs(more) * error, enough)
 
 
 def _band_means(bands: Bands, reflectance: Spectrum | float, name: str) -> Floats:

@@ -81,8 +81,9 @@ def noise_limited_distance(
         signal: "log": f = ln Q, Fechner's law, so that noise is a Weber fraction. "linear": f =
             Q / Q_adapting, for colours near the background (both in Vorobyev & Osorio 1998).
         photon_noise: catches are photons, in the time over which a decision adds up; their noise
-            is added, e² + 2/(Q_A + Q_B), as for a receptor that catches the mean of both (so
-            Vorobyev et al. 1998, J Comp Physiol A 183:621, and pavo's ``noise="quantum"``).
+            is added, as for a receptor that catches the mean of both: of logarithms e² +
+            2/(Q_A + Q_B) (so Vorobyev et al. 1998, J Comp Physiol A 183:621, and pavo's
+            ``noise="quantum"``), of linear signals e² + (Q_A + Q_B)/(2 Q_adapting²).
         adapting: (N,), what the classes catch of the background, by which linear signals are
             divided; None: they are already. Logarithms do not need it, as it cancels out.
 

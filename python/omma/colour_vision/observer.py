@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, one_of, positive, whole, within
-from omma.base.arrays import Floats, Ints
+from omma.base.arrays import Floats
 from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.colour_vision.noise_limited import distance_of_one, noise_limited_distance
-from omma.colour_vision.views import Looking, Seen, View
+from omma.colour_vision.views import Looking, Nearest, Seen, View
 from omma.receptors.sensitivity import ommatidium_of_receptor
+from omma.rendering.settings import Fixed
 
 By = Literal["photons", "achromatic", "colour"]
 
@@ -45,9 +46,11 @@ class Observer:
             one name are one class, as a fly's R1 in all of its ommatidia.
         dark_per_s: photons that each receptor counts in darkness.
         noise: e of each class of receptors of the eye, in the order of their first types, as
-            `class_noise` gives it, for all but "photons"; (): 0.1 of each.
-        ommatidia: over how many that look nearest to the target catches are summed, for all but
-            "photons"; of an eye with fewer all, with a warning.
+            `class_noise` gives it, for all but "photons"; (): 0.1 of each. That of one class is at
+            most 1.
+        ommatidia: over how many catches are summed, for all but "photons": at each distance those
+            that look nearest to the target's middle from where their lenses are; of an eye with
+            fewer all, with a warning.
         azimuth_deg, elevation_deg: where in the head's field the target is kept.
 
     Raises:
@@ -92,6 +95,11 @@ class Observer:
         noise = array_of(self.noise, "noise", (None,))
         if not np.all((noise > 0) & (noise < 1e9)):
             raise Error("noise: expected finite numbers above 0")
+        if len(noise) and noise.min() > 1:
+            raise Error(
+                f"noise: expected that of one class at least to be at most 1, found {noise.min():g}"
+                f" or more; {noise.min():g} per cent would be {noise.min() / 100:g}"
+            )
         object.__setattr__(self, "noise", tuple(noise.tolist()))
 
 
@@ -118,39 +126,58 @@ class Decision:
         self._counts = np.array(counts, bool)
         self._noise = np.array(observer.noise or [0.1] * len(names))
         self._names = names
+        self._nearest: dict[int, Nearest] = {}
         used = [eye.receptor_types[k] for k in np.unique(eye.receptor_type).tolist()]
         counted = [one for one in used if not observer.receptors or one.name in observer.receptors]
         self.most_polarisation = max((one.polarisation_sensitivity for one in counted), default=1.0)
+        if observer.by != "photons" and len(eye) < observer.ommatidia:
+            warn_caller(
+                f"observer: expected {observer.ommatidia} ommatidia, over which catches are "
+                f"summed, found {len(eye)}: the distance is by these",
+                UserWarning,
+            )
 
-    def ommatidia(self, view: View, nearest_m: float) -> NDArray[np.intp]:
-        """Whose responses count, at this distance and beyond."""
-        if self._observer.by != "photons":
-            nearest = view.nearest(self._observer.ommatidia)
-            if len(nearest) < self._observer.ommatidia:
-                warn_caller(
-                    f"observer: expected {self._observer.ommatidia} ommatidia, over which catches "
-                    f"are summed, found {len(nearest)}: the distance is by these",
-                    UserWarning,
+    def expect_classes(self, eye: Eye, view: View, farthest_m: float) -> None:
+        """Raise `omma.Error` where the ommatidia that count at the farthest distance lack a class
+        of receptors that does."""
+        if self._observer.by == "photons" or not self._observer.receptors:
+            return
+        nearest = eye.take(view.nearest(self._observer.ommatidia, farthest_m))
+        there = self._class_of_type[nearest.receptor_type]
+        for k in np.flatnonzero(self._counts):
+            if k not in there:
+                raise Error(
+                    f"ommatidia: expected some with the receptor {self._names[k]}, found none of "
+                    f"the {self._observer.ommatidia} that look nearest to the target at "
+                    f"{farthest_m:g} m; more ommatidia may have it"
                 )
-            return nearest
-        return view.reached(nearest_m)
+
+    def looking(self, view: View, nearest_m: float, sampling: Fixed, seed: int) -> Looking:
+        """Those whose responses count, at this distance and beyond, by so many rays."""
+        if self._observer.by == "photons":
+            return view.through(view.reached(nearest_m), sampling, seed)
+        key = sampling.samples
+        if key not in self._nearest:
+            self._nearest[key] = Nearest(view, self._observer.ommatidia, sampling, seed)
+        return self._nearest[key]
 
     def excess(self, target: Looking, distance_m: float) -> tuple[float, float]:
         """By how much d' or the distance of colours is more than the criterion at a distance, and
         its standard error from the rays; infinite, where they are too few to tell."""
         seen = target.at(distance_m)
-        found, slope = self._told(target.eye, seen)
+        found, slope = self._told(seen)
         # Receptors of an ommatidium share its rays, and err together.
-        together = np.bincount(ommatidium_of_receptor(target.eye), slope * seen.error)
+        together = np.bincount(ommatidium_of_receptor(seen.eye), slope * seen.error)
         error = float(np.sqrt(np.sum(together**2))) if seen.enough else math.inf
         return found - self._observer.criterion, error
 
-    def _told(self, eye: Eye, seen: Seen) -> tuple[float, Floats]:
+    def _told(self, seen: Seen) -> tuple[float, Floats]:
         """What is told, and how it changes with what the target adds to each receptor."""
+        classes = self._class_of_type[seen.eye.receptor_type]
         if self._observer.by != "photons":
-            return self._noise_limited(self._class_of_type[eye.receptor_type], seen)
+            return self._noise_limited(classes, seen)
         dark = self._observer.dark_per_s * self._observer.integration_time_s
-        counts = self._counts[self._class_of_type[eye.receptor_type]]
+        counts = self._counts[classes]
         variance = seen.background + seen.added / 2 + dark
         safe = np.where(variance > 0, variance, 1.0)
         # As of `d_prime`, without what errors of the rays add to squares.
@@ -166,7 +193,10 @@ class Decision:
         added: Floats = np.bincount(classes, seen.added, minlength=count).astype(np.float64)
         there = np.bincount(classes, minlength=count)
         used = self._counts if self._observer.receptors else there > 0
-        self._expect_photons(used, there, ground)
+        if np.any(there[used] == 0):
+            # Nearer than where it is sure that a class is there it may be missing: nothing is told.
+            return 0.0, np.zeros(len(classes))
+        self._expect_photons(used, ground)
         dark = self._observer.dark_per_s * self._observer.integration_time_s
         ground = ground + dark * there
 
@@ -186,17 +216,11 @@ class Decision:
         slope = np.divide(rise, 2 * _STEP * ground, out=np.zeros(count), where=used)
         return found, slope[classes]
 
-    def _expect_photons(self, used: NDArray[np.bool_], there: Ints, ground: Floats) -> None:
-        for k in np.flatnonzero(used):
-            if ground[k] > 0:
-                continue
-            nearest = f"of the {self._observer.ommatidia} that look nearest to the target"
-            if there[k] == 0:
-                raise Error(
-                    f"ommatidia: expected some with the receptor {self._names[k]}, found none "
-                    f"{nearest}; more ommatidia may have it"
-                )
+    def _expect_photons(self, used: NDArray[np.bool_], ground: Floats) -> None:
+        dark = np.flatnonzero(used & ~(ground > 0))
+        if len(dark):
             raise Error(
-                f"target: expected photons of its ground in {self._names[k]}, found none in those "
-                f"{nearest}: give the ground a reflectance above 0, and light that they see"
+                f"target: expected photons of its ground in {self._names[dark[0]]}, found none in "
+                f"those of the {self._observer.ommatidia} that look nearest to the target: give "
+                "the ground a reflectance above 0, and light that they see"
             )

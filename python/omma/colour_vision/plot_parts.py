@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import array_of
 from omma.base.arrays import Floats
-from omma.base.figures import COLOURS, GREY, INK
+from omma.base.figures import COLOURS, GREY, INK, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,25 +23,39 @@ Spectrum = tuple[ArrayLike, ArrayLike]
 _MARKS = "os^Dvp"
 MOST_MARKS = len(_MARKS) * len(COLOURS)
 _TICK_NM = 50  # between the wavelengths that are written beside a spectrum locus
+_BESIDE_NM = 5  # over which the direction of a locus is taken
+# Of what any animal may see; micrometres and metres are far off.
+_LEAST_NM, _MOST_NM = 100.0, 5000.0
 
 
 def draw_locus(panel: Axes, wavelength_nm: Floats, points: Floats) -> None:
+    """A line with dots and their wavelengths, nm."""
+    from matplotlib.patheffects import withStroke
+
     panel.plot(*points.T, color=GREY, linewidth=0.9, zorder=2)
     first = math.ceil(wavelength_nm.min() / _TICK_NM) * _TICK_NM
     middle = points.mean(axis=0)
     last = np.full(2, np.inf)
     for wanted in np.arange(first, wavelength_nm.max() + 1, _TICK_NM):
-        at = np.array([np.interp(wanted, wavelength_nm, along) for along in points.T])
-        panel.plot(*at, "o", color=GREY, markersize=2, zorder=2)
-        # At the ends of the spectrum one class alone catches, and loci fall together.
+        before, at, after = (
+            np.array([np.interp(one, wavelength_nm, along) for along in points.T])
+            for one in (wanted - _BESIDE_NM, wanted, wanted + _BESIDE_NM)
+        )
+        # At the ends of the spectrum one class alone catches, and loci fall together: each dot has
+        # its number, so that none is read at another.
         if np.hypot(*(at - last)) < 0.12:
             continue
         last = at
-        away = at - middle
-        away = 7 * away / max(float(np.hypot(*away)), 1e-9)
+        panel.plot(*at, "o", color=GREY, markersize=2, zorder=2)
+        # Across the locus, on the side of its middle.
+        x, y = after - before
+        across = np.array([-y, x]) if np.hypot(x, y) > 1e-9 else middle - at
+        across = across if across @ (middle - at) >= 0 else -across
+        across = 7 * across / max(float(np.hypot(*across)), 1e-9)
         panel.annotate(
-            f"{wanted:g}", tuple(at), tuple(-away), textcoords="offset points", ha="center",
+            f"{wanted:g}", tuple(at), tuple(across), textcoords="offset points", ha="center",
             va="center", color=GREY, fontsize="x-small",
+            path_effects=[withStroke(linewidth=2, foreground="white")],
         )  # fmt: skip
 
 
@@ -56,6 +70,12 @@ def locus_of(
     wavelength_nm = array_of(spectrum[0], "spectrum", (None,))
     if not np.all(np.isfinite(wavelength_nm)) or len(wavelength_nm) < 2:
         raise Error("spectrum: expected at least two wavelengths, finite numbers in nm")
+    low, high = wavelength_nm.min(), wavelength_nm.max()
+    if low < _LEAST_NM or high > _MOST_NM:
+        raise Error(
+            f"spectrum: expected wavelengths of {_LEAST_NM:g} to {_MOST_NM:g} nm, found {low:g} to "
+            f"{high:g}"
+        )
     points = space(spectrum[1])
     if points.ndim != 2 or len(points) != len(wavelength_nm):
         raise Error(
@@ -77,7 +97,7 @@ def name_corners(panel: Axes, corners: dict[str, Floats]) -> None:
         far = float(np.hypot(*at))
         away = at / far if far > 1e-9 else np.array([1.0, 1.0])
         panel.annotate(
-            name, tuple(at), tuple(3 * away), textcoords="offset points",
+            plain(name), tuple(at), tuple(3 * away), textcoords="offset points",
             ha="center" if abs(away[0]) < 0.3 else "left" if away[0] > 0 else "right",
             va="center" if abs(away[1]) < 0.3 else "bottom" if away[1] > 0 else "top",
         )  # fmt: skip

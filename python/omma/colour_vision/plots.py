@@ -21,7 +21,9 @@ from omma.base.figures import (
     MM,
     figure_names,
     figure_style,
+    legend_of,
     load_matplotlib,
+    plain,
     save_figure,
 )
 from omma.base.files import PathLike
@@ -48,6 +50,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Paths = PathLike | Sequence[PathLike]
+# Names of a legend, one below the other, that a figure has room for.
+_MOST_ROWS = 18
 _HEXAGON = {
     "blue": (0, 1, 0), "blue-green": (0, 1, 1), "green": (0, 0, 1),
     "UV-green": (1, 0, 1), "UV": (1, 0, 0), "UV-blue": (1, 1, 0),
@@ -272,24 +276,26 @@ def plot_distances(
         panel = figure.add_subplot()
         at = np.arange(len(rows))
         panel.hlines(at, 0, np.nan_to_num(columns).max(axis=1), color=GREY, linewidth=0.4, zorder=1)
-        for k, name in enumerate(kinds):
-            panel.plot(columns[:, k], at, linestyle="", label=name, **mark(k))
+        drawn = [
+            panel.plot(columns[:, k], at, linestyle="", label=name, **mark(k))[0]
+            for k, name in enumerate(kinds)
+        ]
         panel.axvline(least, color=INK, linewidth=0.8, linestyle="--")
         panel.annotate(
             f"told apart from {least:g} on", (least, 1), (3, 2),
             xycoords=("data", "axes fraction"), textcoords="offset points", va="bottom",
             fontsize="small",
         )  # fmt: skip
-        panel.set_yticks(at, rows)
+        panel.set_yticks(at, [plain(one) for one in rows])
         panel.set(
             xlabel="distance (just-noticeable differences)",
             xlim=(0, 1.06 * max(float(np.nanmax(shown)), 1.5 * least)),
             ylim=(len(rows) - 0.4, -0.6),
         )
         if any(kinds):
-            panel.legend(frameon=False, loc="center left", bbox_to_anchor=(1.01, 0.5))
+            legend_of(panel, drawn, kinds, loc="center left", bbox_to_anchor=(1.01, 0.5))
         if title:
-            panel.set_title(title, pad=12)
+            panel.set_title(plain(title), pad=12)
         save_figure(figure, names, dpi=200)
 
 
@@ -308,8 +314,10 @@ def _plot(paths: Paths, panels: Sequence[_Panel], labels: Sequence[str], title: 
     if len(kinds) > MOST_MARKS:
         raise Error(f"labels: expected at most {MOST_MARKS} different ones, found {len(kinds)}")
     with figure_style():
-        # As wide as the longest name of the legend needs it.
-        beside = max(32.0, 12 + 1.4 * max(map(len, kinds))) if any(kinds) else 0
+        # As wide as the longest name of the legend needs it, in as many columns as there must be.
+        beside_each = max(32.0, 12 + 1.4 * max(map(len, kinds)))
+        legend_columns = math.ceil(len(kinds) / _MOST_ROWS)
+        beside = legend_columns * beside_each if any(kinds) else 0
         width = 84 * len(panels) + beside
         figure = load_matplotlib()(figsize=(width * MM, 84 * MM), layout="constrained")
         for k, (draw, points, locus, seen) in enumerate(panels):
@@ -322,14 +330,14 @@ def _plot(paths: Paths, panels: Sequence[_Panel], labels: Sequence[str], title: 
             if locus is not None:
                 draw_locus(panel, *locus)
             flat = points.reshape(-1, 2)
+            drawn = []
             for n, kind in enumerate(kinds):
                 which = [word == kind for word in words]
-                panel.plot(*flat[which].T, linestyle="", label=kind, **mark(n))
+                drawn += panel.plot(*flat[which].T, linestyle="", label=kind, **mark(n))
             panel.set_title(seen)
             panel.margins(0.12)
         if any(kinds):
             # The figure's own, for which the layout leaves space beside panels that keep shapes.
-            marks, names_shown = panel.get_legend_handles_labels()
-            figure.legend(marks, names_shown, frameon=False, loc="outside right center")
-        figure.suptitle(title, fontsize="medium", weight="bold")
+            legend_of(figure, drawn, kinds, loc="outside right center", ncol=legend_columns)
+        figure.suptitle(plain(title), fontsize="medium", weight="bold")
         save_figure(figure, names, dpi=200)

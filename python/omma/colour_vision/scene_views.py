@@ -58,7 +58,7 @@ class SceneSeen:
     def __init__(
         self, renderers: list[Renderer], on_target: Floats, towards: Floats, each: Floats
     ) -> None:
-        self.eye = renderers[0].eye
+        self._eye = renderers[0].eye
         self._renderers, self._on_target = renderers, on_target
         self._towards, self._each = towards, each
 
@@ -76,4 +76,4 @@ class SceneSeen:
         more = with_it - without
         error = more.std(axis=0, ddof=1) / np.sqrt(_REPEATS)
         added = more.mean(axis=0)
-        return Seen(without.mean(axis=0), added, error, met(added, error))
+        return Seen(self._eye, without.mean(axis=0), added, error, met(added, error))

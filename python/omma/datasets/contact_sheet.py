@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 from omma._core import Error, Eye
 from omma.base.arguments import checked, whole
 from omma.base.directions import direction
-from omma.base.figures import INK, MM, figure_names, figure_style, load_matplotlib, save_figure
+from omma.base.figures import (
+    INK,
+    MM,
+    figure_names,
+    figure_style,
+    load_matplotlib,
+    plain,
+    save_figure,
+)
 from omma.base.files import PathLike, reading
 from omma.datasets.job_file import lights_from
 from omma.datasets.reading import MOST_SEED, Views, open_views
@@ -90,7 +98,8 @@ def contact_sheet(
             figsize=(_WIDTH_MM * MM, (down * row_mm + 11) * MM), layout="constrained"
         )
         name = views.store.rstrip("/").rsplit("/", 1)[-1]
-        figure.suptitle(f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {name}")
+        title = f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {name}"
+        figure.suptitle(plain(title))
         figure.supxlabel(_MEANT + (_HATCHED if _leaves_gaps(head) else ""))
         axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
         for one in axes:
@@ -103,10 +112,8 @@ def contact_sheet(
                     known[name][number] for name, number in zip(_NAMED[:3], numbers)
                 )
             _show(axes[k], picture)
-            axes[k].set_title(
-                f"view {views.numbers[chosen[k]]}: {scene}, {condition}\n{pose_set} {numbers[3]}",
-                loc="left",
-            )
+            view = f"view {views.numbers[chosen[k]]}: {scene}, {condition}"
+            axes[k].set_title(plain(f"{view}\n{pose_set} {numbers[3]}"), loc="left")
         save_figure(figure, names)
     return views.numbers[chosen]
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from omma._core import Spectrum
 from omma.base.arguments import checked, one_of
+from omma.base.slips import warn_of_slip
 from omma.light.bands import Bands
 from omma.light.lights import Light, makes_light
 from omma.light.skies import uniform_sky
@@ -57,10 +58,15 @@ def measured_sky(
 
     Raises:
         omma.Error: another unit, or a spectrum that does not reach over all bands.
+
+    Warns:
+        UserWarning: more than 5 W m⁻² nm⁻¹, twice what the sun has outside of the air.
     """
     given, factor = _UNITS[one_of(irradiance_unit, _UNITS, "irradiance_unit")]
     check_unit(unit)
     nm, values = irradiance.wavelength_nm, factor * irradiance.value
+    watts = values if given == "watts" else watts_from_photons(values, nm)
+    warn_of_slip("irradiance", watts, f"irradiance, in {irradiance_unit}")
     if given != unit:
         convert = photons_from_watts if unit == "photons" else watts_from_photons
         values = convert(values, nm)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -45,17 +46,19 @@ def load_spectra(
 
     Tables with a column of wavelengths in nm (called wl, wavelength, lambda or nm, or else the
     first) and one or more of values: comma, semicolon, tab or spaces between them, points or
-    commas as decimal signs, with or without a line of names, after any lines of an instrument and
-    lines that begin with #. So are CSV, tables of the R package pavo with or without row names, and
-    text files of Ocean Optics (">>>>>Begin Spectral Data<<<<<") and Avantes, and downloads of the
-    Floral Reflectance Database (lines of a flower's number, by which its spectrum is called, a
-    wavelength and a value). Without names a spectrum is called as the file, or "column 2" and so
-    on. Wavelengths that all descend are turned round; lines that are there twice count once.
+    commas as decimal signs, with or without a line of names and one of units below it, after any
+    lines of an instrument and lines that begin with #. So are CSV, tables of the R package pavo
+    with or without row names, and text files of Ocean Optics (">>>>>Begin Spectral Data<<<<<") and
+    Avantes, and downloads of the Floral Reflectance Database (lines of a flower's number, by which
+    its spectrum is called, a wavelength and a value). Without names a spectrum is called as the
+    file, or "column 2" and so on. Wavelengths that all descend are turned round; lines that are
+    there twice count once.
 
     Args:
         unit: "percent", divided by 100; "fraction"; "as_is", whatever the numbers are, such as an
-            irradiance. None: reflectances, per cent where a name says so (% or percent) or where
-            any is above 1.5, fractions where none is above 1; a warning says which was taken.
+            irradiance. None: reflectances, per cent where a name or its unit says so (% or percent)
+            or where any is above 1.5, fractions where none is above 1; a warning says which was
+            taken.
         columns: names of those that are wanted. None: all.
         range_nm: from where to where, nm, linear between the file's wavelengths; what the file has
             beyond is not looked at, such as the noise at the ends of a spectrometer. None: all.
@@ -109,10 +112,10 @@ def _ascending(table: SpectrumTable) -> SpectrumTable:
         np.array_equal(one, other, equal_nan=True)
         for one, other in itertools.pairwise(table.numbers)
     ]
-    table = SpectrumTable(table.path, table.names, table.numbers[~same], table.lines[~same])
+    table = replace(table, numbers=table.numbers[~same], lines=table.lines[~same])
     nm = table.numbers[:, 0]
     if len(nm) > 1 and np.all(np.diff(nm) < 0):
-        table = SpectrumTable(table.path, table.names, table.numbers[::-1], table.lines[::-1])
+        table = replace(table, numbers=table.numbers[::-1], lines=table.lines[::-1])
         nm = table.numbers[:, 0]
     wrong = np.flatnonzero(~(np.diff(nm, prepend=-np.inf) > 0))
     if len(wrong):
@@ -157,11 +160,10 @@ def _in_range(table: SpectrumTable, range_nm: tuple[float, float] | None) -> Spe
     ):
         row = [end, *(np.interp(end, nm, one) for one in table.numbers[:, 1:].T)]
         ends.append((np.array(row), table.lines[near]))
-    return SpectrumTable(
-        table.path,
-        table.names,
-        np.vstack([ends[0][0], table.numbers[inside], ends[1][0]]),
-        np.array([ends[0][1], *table.lines[inside], ends[1][1]]),
+    return replace(
+        table,
+        numbers=np.vstack([ends[0][0], table.numbers[inside], ends[1][0]]),
+        lines=np.array([ends[0][1], *table.lines[inside], ends[1][1]]),
     )
 
 
@@ -169,7 +171,7 @@ def _divisor(table: SpectrumTable, index: list[int], unit: str | None) -> float:
     """What numbers are divided by."""
     largest = float(table.numbers[:, index].max(initial=0.0))
     if unit is None:
-        if any(_PERCENT.search(table.names[k]) for k in index):
+        if any(_PERCENT.search(f"{table.names[k]} {table.units[k]}") for k in index):
             unit = "percent"
         else:
             unit = _guessed_unit(table.path, largest)

@@ -24,16 +24,19 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _MISSING = ("", "na", "nan", "n/a", "inf", "-inf", "∞", "-∞")
 _WAVELENGTH = re.compile(r"(wl|wave|wavelengths?|lambda|λ|nm)([^a-z].*)?", re.IGNORECASE)
 _UNIT = re.compile(r"\[.*\]")
+_NANOMETRES = re.compile(r"[\[(]?(nm|nanomet(er|re)s?)[\])]?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class SpectrumTable:
-    """Numbers (N, columns) of a file, what its columns are called and the line of each row."""
+    """Numbers (N, columns) of a file, what its columns are called, the line of each row, and the
+    units of the columns where they have a line of their own, "" elsewhere."""
 
     path: str
     names: list[str]
     numbers: Floats
     lines: NDArray[np.int64]
+    units: list[str]
 
 
 def read_spectrum_table(path: PathLike) -> SpectrumTable:
@@ -72,6 +75,9 @@ def read_spectrum_table(path: PathLike) -> SpectrumTable:
         raise Error(f"{name}: expected lines of wavelengths and values, found none")
     width = len(parsed[first][1])
     above = [row for _, row, _ in parsed[max(first - 2, 0) : first]]
+    units = _units(above)
+    if any(units):
+        above = above[:1]
     names = _names(name, above, width)
     for n, row, found in parsed[first:]:
         if None in found:
@@ -89,8 +95,13 @@ def read_spectrum_table(path: PathLike) -> SpectrumTable:
         raise Error(f"{name}: expected columns of different names, found {twice!r} twice")
     if len(chosen) < 2:
         raise Error(f"{name}: expected a column of values beside the wavelengths, found none")
+    units = units if len(units) == width else [""] * width
     return SpectrumTable(
-        name, chosen, numbers[:, order], np.array([n for n, _, _ in parsed[first:]])
+        name,
+        chosen,
+        numbers[:, order],
+        np.array([n for n, _, _ in parsed[first:]]),
+        [units[k] for k in order],
     )
 
 
@@ -113,7 +124,8 @@ def _of_flowers(path: str, numbers: Floats, lines: NDArray[np.int64]) -> Spectru
                 f"flower {flowers[0]:g}, found others; expected a file for each"
             )
     columns = np.column_stack([nm, *(numbers[own, 2] for own in rows)])
-    return SpectrumTable(path, ["", *(f"{one:g}" for one in flowers)], columns, lines[rows[0]])
+    names = ["", *(f"{one:g}" for one in flowers)]
+    return SpectrumTable(path, names, columns, lines[rows[0]], [""] * len(names))
 
 
 # What a column of the numbers of rows, which R writes, is called here.
@@ -193,6 +205,17 @@ def _number(cell: str, comma: bool) -> float | None:
 def _no_number(name: str, line: int, row: list[str], found: list[float | None]) -> Error:
     wrong = row[found.index(None)] if None in found else ""
     return Error(f"{name}, line {line}: expected numbers, found {wrong!r:.40}")
+
+
+def _units(above: list[list[str]]) -> list[str]:
+    """A line of units below one of names: where wavelengths are, it says nanometres alone."""
+    if len(above) < 2 or len(above[0]) != len(above[1]):
+        return []
+    pairs = zip(*above)
+    if any(is_wavelength_name(one) and _NANOMETRES.fullmatch(unit) for one, unit in pairs):
+        # Avantes' brackets are a part of the name, `_names`.
+        return [] if all(_UNIT.fullmatch(one) for one in above[1]) else above[1]
+    return []
 
 
 def _names(path: str, above: list[list[str]], width: int) -> list[str]:

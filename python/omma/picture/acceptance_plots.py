@@ -19,6 +19,7 @@ from omma.base.figures import (
     figure_names,
     figure_style,
     load_matplotlib,
+    plain,
     save_figure,
 )
 from omma.base.files import PathLike
@@ -87,7 +88,7 @@ def plot_acceptance(
         for k, i in enumerate(odd):
             panel = figure.add_subplot(beside[k])
             _contours(panel, eye.acceptance(i), f"S of ommatidium {i}", _colour(chosen, i))
-        figure.suptitle(title or eye_title(eye), fontsize="medium", weight="bold")
+        figure.suptitle(plain(title or eye_title(eye)), fontsize="medium", weight="bold")
         save_figure(figure, names, dpi=300)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from omma._core import Error
 from omma.base.arguments import checked, positive
 from omma.base.arrays import Floats
-from omma.base.figures import COLOURS, GREY, MM, figure_names, figure_style, load_matplotlib
+from omma.base.figures import COLOURS, GREY, MM, figure_names, figure_style, load_matplotlib, plain
 from omma.base.figures import save_figure as save
 from omma.base.files import PathLike
 from omma.base.poses import as_poses
@@ -57,8 +57,7 @@ def plot_capture_cameras(
         raise Error("poses: expected finite numbers")
     if title is None:
         title = f"{len(cameras):,} camera{'s' if len(cameras) > 1 else ''}"
-        # No name of a file is a formula.
-        title += f" of {cameras.path}".replace("$", r"\$") if cameras.path else ""
+        title += f" of {cameras.path}" if cameras.path else ""
     with figure_style(max(3.0, 7.5 * size_mm / 120)):
         save(_figure(cameras, heads, title, size_mm), names)
 
@@ -85,7 +84,7 @@ def _figure(cameras: CaptureCameras, heads: Floats, title: str, size_mm: float) 
     figure = load_matplotlib()(
         figsize=(size_mm * MM, size_mm * MM * (0.85 * sum(heights) + 0.4)), layout="constrained"
     )
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     panels = figure.subplots(2, 1, height_ratios=heights, sharex=True)
     sights = -_SIGHT * longest * cameras.world_from_camera[:, :, 2]
     for panel, name, axis, label in (

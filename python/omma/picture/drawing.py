@@ -17,7 +17,7 @@ from omma._core import Error, Eye
 from omma.base.arguments import checked, positive
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
-from omma.base.figures import INK, figure_names, figure_style, load_matplotlib, save_figure
+from omma.base.figures import INK, figure_names, figure_style, load_matplotlib, plain, save_figure
 from omma.base.files import PathLike
 from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.neighbours import sides, surface_lattice, surface_normals
@@ -289,7 +289,7 @@ def _figure(drawing: _Drawing, prop: EyeProperty | None, size_mm: float, title: 
     notes += drawing.notes()
     # As many letters as fit, at 150 mm; smaller drawings have smaller type.
     words = [line for text in [*title.splitlines(), *notes] for line in textwrap.wrap(text, 82)]
-    figure.suptitle("\n".join(words), color=INK, fontsize="medium")
+    figure.suptitle(plain("\n".join(words)), color=INK, fontsize="medium")
     if drawing.to_scale:
         _scale_bar(axes, low, high)
     _compass(drawing, axes, low, high)

@@ -26,7 +26,9 @@ from omma.base.figures import (
     MM,
     figure_names,
     figure_style,
+    legend_of,
     load_matplotlib,
+    plain,
     save_figure,
 )
 from omma.base.files import PathLike
@@ -191,7 +193,7 @@ def plot_eye_maps(
                 progress("drawing", k / (len(shown) + 1))
             panel = figure.add_subplot(rows, columns, k + 1)
             draw_map(figure, panel, the_map, prop, labels=True)
-        figure.suptitle(title or eye_title(eye), fontsize="medium", weight="bold")
+        figure.suptitle(plain(title or eye_title(eye)), fontsize="medium", weight="bold")
         figure.supxlabel(MAP_NOTE, fontsize="x-small")
         if progress is not None:
             progress("drawing", len(shown) / (len(shown) + 1))
@@ -243,11 +245,10 @@ def colour_scale(
     if prop.classes:
         colours = [COLOURS[k % len(COLOURS)] for k in range(len(prop.classes))]
         marks.set(cmap=ListedColormap(colours), clim=(-0.5, len(colours) - 0.5))
-        handles = [Patch(color=c, label=n) for c, n in zip(colours, prop.classes, strict=True)]
         if location is not None:
-            panel.legend(
-                handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=6, frameon=False
-            )
+            patches = [Patch(color=one) for one in colours]
+            place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0)}
+            legend_of(panel, patches, prop.classes, **place, ncol=6)
         return
     low, high, extend = colour_limits(prop.values)
     constant = high - low <= 1e-4 * max(abs(low), abs(high))

@@ -19,7 +19,9 @@ from omma.base.figures import (
     MM,
     figure_names,
     figure_style,
+    legend_of,
     load_matplotlib,
+    plain,
     save_figure,
 )
 from omma.base.files import PathLike
@@ -35,6 +37,7 @@ from omma.species import Species
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 #: What a poster says of an animal: label, value with unit, where it is from.
 PosterFact = tuple[str, str, str]
@@ -101,7 +104,7 @@ def plot_poster(
     with figure_style(8.0):
         figure: Any = load_matplotlib()(figsize=(420 * MM, 297 * MM), layout="constrained")
         figure.get_layout_engine().set(w_pad=3 * MM, h_pad=3 * MM)
-        figure.suptitle(title or eye_title(eye), fontsize=17, weight="bold")
+        figure.suptitle(plain(title or eye_title(eye)), fontsize=17, weight="bold")
         if sources:
             lines = textwrap.wrap("Sources: " + "; ".join(sources), 330)
             figure.supxlabel("\n".join(lines), fontsize=5.5, color=INK)
@@ -225,6 +228,8 @@ def _spectra(panel: Axes, eye: Eye) -> None:
             curve[2].append(receptor.name)
         curve[3].append(many)
     colours: list[str] = []
+    labels: list[str] = []
+    drawn: list[Line2D] = []
     for receptor, values, names, counts in curves:
         peak = receptor.peak_wavelength_nm or float(_WAVELENGTHS[values.argmax()])
         name = ", ".join(names) if len(names) <= 3 else f"{names[0]} to {names[-1]}"
@@ -232,14 +237,14 @@ def _spectra(panel: Axes, eye: Eye) -> None:
         if sum(counts) == 0:
             label += " (in no ommatidium)"
         colours.append(_light(peak, colours))
-        panel.plot(_WAVELENGTHS, values, color=colours[-1], label=label)
+        drawn += panel.plot(_WAVELENGTHS, values, color=colours[-1])
+        labels.append(label)
     panel.set(
         xlabel="wavelength (nm)", ylabel="relative spectral sensitivity",
         xlim=(300, 700), ylim=(-0.02, 1.05),
     )  # fmt: skip
-    panel.legend(
-        frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.17), fontsize="x-small", ncol=2
-    )
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.17)}
+    legend_of(panel, drawn, labels, **place, fontsize="x-small", ncol=2)
 
 
 def _light(peak_nm: float, taken: list[str]) -> str:

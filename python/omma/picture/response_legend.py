@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from omma._core import Eye
-from omma.base.figures import wrapped
+from omma.base.figures import plain, wrapped
 from omma.light import Light
 from omma.picture.eye_maps import known_name
 from omma.picture.response_colours import SHOWN_AS, Shown, as_colours
@@ -104,7 +104,7 @@ def draw_strips(panel: Axes, scale: Scale, letters: int) -> None:
         as_colours(each, scale.full_scale, scale.gamma),
         extent=(0, scale.full_scale, count, 0), aspect="auto", interpolation="nearest",
     )  # fmt: skip
-    labels = _row_names(scale.names)
+    labels = [plain(one) for one in _row_names(scale.names)]
     panel.set_yticks(np.arange(count) + 0.5, labels, fontsize="small")
     for label in panel.get_yticklabels():
         label.set_in_layout(False)  # there is space beside it, which no other picture should give

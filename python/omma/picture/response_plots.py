@@ -17,6 +17,7 @@ from omma.base.figures import (
     figure_names,
     figure_style,
     load_matplotlib,
+    plain,
     save_figure,
     wrapped,
 )
@@ -203,7 +204,7 @@ def plot_responses(
         if missing := missing_words([*shown, *(beside or ())]):
             figure.supxlabel(f"grey: {missing}", fontsize="x-small")
         if title is not None:
-            figure.suptitle(title, fontsize="large", weight="bold")
+            figure.suptitle(plain(title), fontsize="large", weight="bold")
         save_figure(figure, names, dpi=200)
 
 
@@ -277,7 +278,7 @@ def _figure(
             extent = draw_axes(panel, projection, len(eyes[0]), k == len(rows) - 1, column == 0)
             marks = _draw(panel, picture, projection, extent, scale, largest_error)
             title = wrapped(picture.title, _LETTERS // (_UNITS // each))
-            panel.set_title(title, loc="left")
+            panel.set_title(plain(title), loc="left")
             if picture.is_error:
                 errors = marks
             elif not scale.coloured:

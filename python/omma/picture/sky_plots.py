@@ -22,6 +22,7 @@ from omma.base.figures import (
     figure_names,
     figure_style,
     load_matplotlib,
+    plain,
     wrapped,
 )
 from omma.base.figures import save_figure as save
@@ -129,7 +130,7 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
     # Labels of bars of colours reach beyond what the layout knows of.
     layout: Any = figure.get_layout_engine()
     layout.set(rect=(0, 0, 0.98, 1))
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     grid = figure.add_gridspec(len(bands) + 1, 3, height_ratios=[1.0] * len(bands) + [0.8])
     span = np.linspace(-1, 1, _PIXELS)
     east, north = np.meshgrid(span, span)

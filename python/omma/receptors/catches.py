@@ -65,8 +65,9 @@ def photon_catch(
     Raises:
         omma.Error: light in watts, responses of another number of receptors, an eye without
             receptors, or one in which the facet of a receptor or its absorption or length is not
-            known; responses that are negative or not finite; another word for ``field``, or a
-            compoundray, which has no solid angle.
+            known, or which has a type without sensitivity from 300 to 700 nm; responses that are
+            negative or not finite; another word for ``field``, or a compoundray, which has no solid
+            angle.
 
     Warns:
         UserWarning: receptors whose acceptance angle is 0 catch nothing; an integration time above

@@ -178,10 +178,20 @@ def of_each_sensitivity(
 
 
 def sensitivity_integral_nm(receptor: ReceptorType) -> float:
-    """∫ S dλ from 300 to 700 nm of a relative spectral sensitivity, nm."""
+    """∫ S dλ from 300 to 700 nm of a relative spectral sensitivity, nm.
+
+    Raises:
+        omma.Error: there is no sensitivity there.
+    """
     low, high = _RECEPTOR_RANGE_NM
     of_type = functools.partial(spectral_sensitivity, receptor)
-    return float(band_means(np.array([low, high]), of_type)[0] * (high - low))
+    whole = float(band_means(np.array([low, high]), of_type)[0] * (high - low))
+    if not whole > 0:
+        raise Error(
+            f"receptor type {receptor.name!r}: expected a sensitivity between {low:g} and "
+            f"{high:g} nm, found none"
+        )
+    return whole
 
 
 def _band_weights(receptor: ReceptorType, bands: Bands) -> Floats:
