@@ -275,7 +275,7 @@ ALL = {
     "eye gltf": Kind(_eye_file("bug.gltf"), omma.load_eye),
     "eye to convert": Kind(_text("old.eye", _EYE), omma.eye.convert_eye),
     "poses": Kind(
-        _text("path.csv", "x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,1\n1,0,0,0,1,0,1\n"), omma.load_poses
+        _text("path.csv", "x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,1\n1,0,0,0,1,0,0\n"), omma.load_poses
     ),
     "columns csv": Kind(_text("map.csv", _MAP), omma.columns.load_columns),
     "columns json": Kind(_text("map.json", _JSON_MAP), omma.columns.load_columns),

@@ -86,6 +86,19 @@ def test_a_camera_at_a_known_place_that_looks_east(tmp_path):
     assert_allclose(cameras.half_angles_deg, [[45, np.degrees(np.arctan(0.5))]])
 
 
+def test_quaternions_of_colmap_of_another_length_are_told_of(tmp_path):
+    whole = load_capture_cameras(WRITERS["text"](tmp_path, POSES))
+    folder = changed_file("images.txt", lambda data: line_of(data, 3, doubled))(tmp_path)
+    with pytest.warns(UserWarning, match=r"images\.txt, line 4: expected .* length 1, found .* 2"):
+        found = load_capture_cameras(folder)
+    assert_allclose(found.world_from_camera, whole.world_from_camera, atol=1e-12)
+
+
+def doubled(words):
+    """A line of images.txt whose quaternion is twice as long."""
+    return " ".join([words[0], *(str(2 * float(one)) for one in words[1:5]), *words[5:]])
+
+
 def test_units_and_matrices(tmp_path):
     path = WRITERS["text"](tmp_path, POSES)
     feet = load_capture_cameras(path, unit=0.3048, up="y")
@@ -392,7 +405,8 @@ def test_values_are_checked():
 
 @pytest.mark.parametrize("kind", WRITERS)
 def test_changed_bytes_end_in_an_error_or_in_cameras(tmp_path, kind):
-    """Whatever is in the files: nothing from inside, no warnings, no memory beyond them."""
+    """Whatever is in the files: nothing from inside, no warnings but those of a quaternion's
+    length, no memory beyond them."""
     path = WRITERS[kind](tmp_path, POSES)
     files = [path] if path.is_file() else [*path.iterdir()]
     drawn = random.Random(5)
@@ -412,6 +426,7 @@ def test_changed_bytes_end_in_an_error_or_in_cameras(tmp_path, kind):
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
+                warnings.simplefilter("ignore", UserWarning)
                 assert len(load_capture_cameras(path)) <= len(POSES) + 4
         except omma.Error as error:
             said = str(error)

@@ -191,6 +191,25 @@ def test_walks_that_only_climb_are_refused(tmp_path, climb):
         datasets.run(write_job(tmp_path, poses=poses))
 
 
+@pytest.mark.parametrize("of_first", [False, True])
+def test_receptors_of_an_eye_that_has_none(tmp_path, of_first, monkeypatch):
+    """Also where another eye of the job has some; before anything else is read."""
+    monkeypatch.setattr("omma.datasets.running.digests_of_inputs", None)
+    job = write_job(
+        tmp_path,
+        dataset='outputs = ["responses", "receptors"]',
+        more='[[eye]]\nname = "other"\nfiles = "other.csv"',
+    )
+    bare = omma.load_eye(tmp_path / "bug.csv")
+    full = omma.receptors.assign_receptors(bare, omma.receptors.honeybee_ommatidia())
+    omma.save_eye(tmp_path / "bug.csv", full if of_first else bare)
+    omma.save_eye(tmp_path / "other.csv", bare)
+    words = r"job\.toml, eye\[{}\]: .* receptors, as they are among dataset\.outputs, found none"
+    with pytest.raises(omma.Error, match=words.format(int(of_first))):
+        datasets.run(job)
+    assert not (tmp_path / "job.zarr").exists()
+
+
 def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
     monkeypatch.setenv("OMMA_CACHE", str(tmp_path / "cache"))
     job = write_job(
@@ -200,7 +219,15 @@ def test_baked_light_as_the_job_says(tmp_path, monkeypatch):
         more="[[condition]]\nname = 'day'\nlight = {sky = 'uniform_sky'}\nultraviolet = 'dark'\n"
         "lighting = 'baked'\nbake = {paths = 16, cell_m = 2.0, seed = 3}\n",
     )
-    datasets.run(job)
+    told = []
+    datasets.run(job, progress=lambda stage, share: told.append((stage, share)))
+    stages = list(dict.fromkeys(stage for stage, _ in told))
+    begun = [stage for stage in stages if stage.startswith("Baking light of 'day' (")]
+    assert len(begun) == 1, stages
+    assert stages.index("Building worlds") < stages.index(begun[0]) < stages.index("Rendering")
+    shares = [share for stage, share in told if stage == begun[0] and share is not None]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1
     bake = omma.scene.Bake(paths=16, cell_m=2.0, seed=3)
     light = omma.light.uniform_sky(bands=omma.light.Bands.equal(4))
     scene = omma.load_scene(tmp_path / "scene.gltf")

@@ -475,6 +475,7 @@ def test_poses_that_nobody_means_are_told(seen, pose, words):
 def test_turns_are_never_told_of(seen):
     rng = np.random.default_rng(1)
     quaternions = rng.normal(size=(200, 4))
+    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
     poses = omma.poses_from_quaternions(rng.uniform(-200, 200, (200, 3)), quaternions)
     # Rounded, as files have them.
     poses[:, :3, :3] = poses[:, :3, :3].round(3)

@@ -1,6 +1,7 @@
 """Poses in all their forms, and CSV files of them."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -44,8 +45,8 @@ def test_what_angles_mean(angles, view, up):
     st.lists(st.floats(-1, 1), min_size=3, max_size=3),
 )
 def test_quaternions_turn_as_hamilton_says(quaternion, vector):
-    rotation = omma.poses_from_quaternions((0, 0, 0), quaternion)[0, :3, :3]
-    x, y, z, w = np.array(quaternion) / np.linalg.norm(quaternion)
+    x, y, z, w = unit = np.array(quaternion) / np.linalg.norm(quaternion)
+    rotation = omma.poses_from_quaternions((0, 0, 0), unit)[0, :3, :3]
     axis, v = np.array([x, y, z]), np.array(vector)
     # v' = v + 2 w (q x v) + 2 q x (q x v)
     turned = v + 2 * w * np.cross(axis, v) + 2 * np.cross(axis, np.cross(axis, v))
@@ -74,7 +75,7 @@ def test_look_at():
 def test_csv(tmp_path):
     path = tmp_path / "poses.csv"
     path.write_text(
-        "# a flight\nx, y, z, qx, qy, qz, qw\n\n1,2,3,0,0,0,1 # first\r\n4,5,6,0,1,0,1\n"
+        "# a flight\nx, y, z, qx, qy, qz, qw\n\n1,2,3,0,0,0,1 # first\r\n4,5,6,0,0.71,0,0.71\n"
     )
     poses = omma.load_poses(path)
     assert poses.shape == (2, 4, 4)
@@ -82,6 +83,25 @@ def test_csv(tmp_path):
     assert poses[1, :3, :3] @ [0, 0, -1] == pytest.approx([-1, 0, 0])
     path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n1,2,3,10,20,30")
     assert omma.load_poses(path) == pytest.approx(omma.poses_from_angles((1, 2, 3), (10, 20, 30)))
+
+
+def test_quaternions_of_another_length_are_told_of(tmp_path):
+    """With the line, or the row; of three digits they are rounded."""
+    path = tmp_path / "poses.csv"
+    rows = [(0, 0, 0, 2), (0.707, 0, 0, 0.707), (0.2, 0, 0, 1)]
+    lines = [",".join(map(str, (0, 0, 0, *row))) for row in rows]
+    path.write_text("\n".join(["x,y,z,qx,qy,qz,qw", lines[1], "", lines[0], lines[2]]))
+    words = r"poses\.csv, line 4: expected a quaternion of length 1, found .* 2, and in 1 more"
+    with pytest.warns(UserWarning, match=words) as told:
+        poses = omma.load_poses(path)
+    assert len(told) == 1
+    with pytest.warns(UserWarning, match="quaternions, row 2: .* found one of length 1.02") as told:
+        again = omma.poses_from_quaternions((0, 0, 0), np.array(rows)[[1, 1, 2]])
+    assert len(told) == 1
+    np.testing.assert_array_equal(again[[0, 2]], poses[[0, 2]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.poses_from_quaternions((0, 0, 0), rows[1])
 
 
 HEADER = "x,y,z,yaw_deg,pitch_deg,roll_deg\n"

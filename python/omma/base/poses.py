@@ -6,6 +6,7 @@ The head looks along its -Z, +X is its right, +Y up (glTF's camera frame); lengt
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,8 @@ _NO_NUMBERS = {
     "m": "durations",
 }
 ANGLE_COLUMNS = ("x", "y", "z", "yaw_deg", "pitch_deg", "roll_deg")
+# Further from 1 a quaternion's length is no rounding, as of three digits.
+_ROUNDED = 0.01
 
 
 def numbers(values: Any, name: str, columns: int) -> Matrices:
@@ -90,9 +93,33 @@ def poses_from_quaternions(positions_m: ArrayLike, quaternions: ArrayLike) -> Ma
 
     Raises:
         omma.Error: a wrong shape, a number that is not finite, a quaternion of length 0.
+
+    Warns:
+        UserWarning: a quaternion's length is further from 1 than 0.01.
     """
-    positions = numbers(positions_m, "positions_m", 3)
     turns = numbers(quaternions, "quaternions", 4)
+    warn_of_lengths(turns, lambda row: f"quaternions, row {row}")
+    return _from_quaternions(positions_m, turns)
+
+
+def warn_of_lengths(quaternions: Matrices, where: Callable[[int], str]) -> None:
+    """Warns of quaternions (P, 4) that are further from length 1 than rounding takes them, as other
+    columns would be; ``where`` names the place of a row."""
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(quaternions, axis=1)
+    odd = np.flatnonzero((np.abs(length - 1) > _ROUNDED) & (length > 0))
+    if not len(odd):
+        return
+    more = f", and in {len(odd) - 1:,} more" if len(odd) > 1 else ""
+    warn_caller(
+        f"{where(int(odd[0]))}: expected a quaternion of length 1, found one of length "
+        f"{length[odd[0]]:.4g}{more}; it is normalised",
+        UserWarning,
+    )
+
+
+def _from_quaternions(positions_m: ArrayLike, turns: Matrices) -> Matrices:
+    positions = numbers(positions_m, "positions_m", 3)
     length = np.linalg.norm(turns, axis=1, keepdims=True)
     if not (length > 0).all():
         row = int(np.flatnonzero(length[:, 0] == 0)[0])
@@ -184,6 +211,10 @@ def load_poses(path: str | os.PathLike[str]) -> Matrices:
 
     Raises:
         omma.Error: the file cannot be read, or a line is wrong; it names the line.
+
+    Warns:
+        UserWarning: a quaternion's length is further from 1 than 0.01, with the line; the angles
+            look like radians.
     """
     return load_timed_poses(path)[0]
 
@@ -202,7 +233,9 @@ def load_timed_poses(path: str | os.PathLike[str]) -> tuple[Matrices, Floats | N
         if len(nowhere):
             line = lines[nowhere[0]]
             raise Error(f"{os.fsdecode(path)}, line {line}: the quaternion has length 0")
-        return poses_from_quaternions(table[:, :3], table[:, 3:]), times_s
+        name = os.fsdecode(path)
+        warn_of_lengths(table[:, 3:], lambda row: f"{name}, line {lines[row]}")
+        return _from_quaternions(table[:, :3], table[:, 3:]), times_s
     return poses_from_angles(table[:, :3], table[:, 3:]), times_s
 
 

@@ -251,7 +251,7 @@ def _make_here(
     """Render shards one after the other; each is written while the next is rendered. What there is
     to warn of the scenes."""
     tell("Building worlds", None)
-    workshop = Workshop(job, digests, threads)
+    workshop = Workshop(job, digests, threads, tell)
     with ThreadPoolExecutor(1) as writer:
         written: Future[None] | None = None
         for k, shard in enumerate(missing):

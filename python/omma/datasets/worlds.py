@@ -17,6 +17,7 @@ from omma._core import Error, Eye, Scene
 from omma.base.arguments import as_named, one_of
 from omma.base.arrays import Floats
 from omma.base.poses import Matrices, poses_from_angles
+from omma.base.progress import Stage
 from omma.datasets.free_space import FreeSpace
 from omma.datasets.job_file import Job
 from omma.datasets.job_inputs import Condition, EyeInput, PlacedObject, SceneInput
@@ -27,6 +28,7 @@ from omma.eye.files import load_head
 from omma.light import Bands, Light
 from omma.rendering.renderer import Renderer
 from omma.scene.backgrounds import parse_background
+from omma.scene.building import BAKING, Baking
 from omma.scene.capture_cameras import CaptureCameras, load_capture_cameras
 from omma.scene.files import read_scene
 from omma.scene.joining import merge_scenes, place_scene
@@ -39,8 +41,20 @@ _WALKS = 4
 
 
 def load_eyes(job: Job) -> dict[str, Eye]:
-    """The eyes of a job, by name."""
-    return {one.name: _eye(one) for one in job.eyes}
+    """The eyes of a job, by name.
+
+    Raises:
+        omma.Error: one cannot be read, or has no receptors where they are an output.
+    """
+    found = {}
+    for k, one in enumerate(job.eyes):
+        eye = found[one.name] = _eye(one)
+        if "receptors" in job.outputs and len(eye.receptor_type) == 0:
+            raise Error(
+                f"{job.path}, eye[{k}]: expected receptors, as they are among dataset.outputs, "
+                f"found none in {one.name!r}; omma.receptors.assign_receptors gives it some"
+            )
+    return found
 
 
 def load_cameras(job: Job) -> dict[str, CaptureCameras]:
@@ -69,9 +83,12 @@ def make_light(condition: str, sky: str, options: dict[str, Any], bands: int) ->
 class Workshop:
     """Everything that shards of a job are made with."""
 
-    def __init__(self, job: Job, digests: dict[str, str], threads: int = 0) -> None:
-        """``digests``: of the inputs, as they were when the data set was begun."""
-        self.job = job
+    def __init__(
+        self, job: Job, digests: dict[str, str], threads: int = 0, tell: Stage | None = None
+    ) -> None:
+        """``digests``: of the inputs, as they were when the data set was begun; ``tell`` is told of
+        light that is baked."""
+        self.job, self._tell = job, tell
         self.eyes = load_eyes(job)
         self._cameras = load_cameras(job)
         self._digests, self._threads = digests, threads
@@ -167,15 +184,19 @@ class Workshop:
         for (scene, of_condition, _), renderer in self._renderers.items():
             if (scene, of_condition) == (block.scene, block.condition):
                 return renderer.world
-        return self._in_condition(world, condition)
+        return self._in_condition(world, self.job.scenes[block.scene], condition)
 
-    def _in_condition(self, world: World, condition: Condition) -> World:
+    def _in_condition(self, world: World, scene: SceneInput, condition: Condition) -> World:
         if condition.background:
             world = world.with_background(parse_background(condition.background))
         made = make_light(*condition.light, self.job.bands)
         if made is None:
             return world
-        return world.with_light(made, **condition.world_options)
+        baking = None
+        if self._tell is not None and condition.world_options["lighting"] == "baked":
+            where = f" in {scene.name!r}" if len(self.job.scenes) > 1 else ""
+            baking = Baking(self._tell, f"{BAKING} of {condition.name!r}{where}")
+        return world.with_light(made, **condition.world_options, progress=baking)
 
     def _check(self, file: str) -> None:
         """omma.Error where a file is not what the data set was begun with."""

@@ -40,20 +40,25 @@ def build_world(scene: Scene, tell: Stage, **arguments: Any) -> World:
     baked = {name: arguments.pop(name) for name in ("lighting", "sun", "bake") if name in arguments}
     world = World(scene, progress=stage_of(tell, BUILDING), **arguments)
     tell(BAKING, None)
-    return world.with_light(**lit, **baked, progress=_Baking(tell))
+    return world.with_light(**lit, **baked, progress=Baking(tell))
 
 
-class _Baking:
-    """Tells of baking, with what it costs where the cache does not have it."""
+class Baking:
+    """Tells of baking, with what it costs where the cache does not have it.
 
-    def __init__(self, tell: Stage) -> None:
-        self._tell, self._stage = tell, BAKING
+    Args:
+        tell: who is told.
+        stage: what it is called.
+    """
+
+    def __init__(self, tell: Stage, stage: str = BAKING) -> None:
+        self._tell, self._called, self._stage = tell, stage, stage
 
     def begins(self, cost: BakeCost) -> None:
         """Called before it is baked."""
-        self._stage = f"{BAKING} ({cost.cells:,} cells, {cost.bytes / 1e6:,.0f} MB)"
+        self._stage = f"{self._called} ({cost.cells:,} cells, {cost.bytes / 1e6:,.0f} MB)"
         if cost.seconds > _LONG_S:
-            self._stage = f"{BAKING} ({cost})"
+            self._stage = f"{self._called} ({cost})"
         self._tell(self._stage, None)
 
     def __call__(self, done: float) -> None:

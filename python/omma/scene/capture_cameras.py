@@ -186,6 +186,9 @@ def load_capture_cameras(
         omma.Error: no such file, one that is cut off or of another shape, no photograph with a
             pose, one whose camera is missing, a quaternion of length 0, a matrix that is no
             rotation, numbers that are not finite.
+
+    Warns:
+        UserWarning: a quaternion's length is further from 1 than 0.01.
     """
     name = os.fsdecode(path)
     shots, file_up = _read(name, undo_applied)

@@ -16,6 +16,7 @@ import numpy as np
 from omma import _core
 from omma._core import Error
 from omma.base.files import open_text
+from omma.base.poses import warn_of_lengths
 from omma.scene.capture_lenses import (
     ALL_ROUND,
     COLMAP_AXES,
@@ -88,7 +89,9 @@ def read_colmap(folder: str) -> list[Shot]:
     cameras, images = colmap_files(folder)
     is_text = images.endswith(".txt")
     fields = dict(_text_cameras(cameras) if is_text else _binary_cameras(cameras))
-    shots = []
+    shots: list[Shot] = []
+    places: list[str] = []
+    quaternions: list[tuple[float, ...]] = []
     for pose in _text_images(images) if is_text else _binary_images(images):
         if pose.camera not in fields:
             raise Error(
@@ -100,6 +103,9 @@ def read_colmap(folder: str) -> list[Shot]:
             at = -camera_from_world.T @ np.array(pose.numbers[4:])
         turn = camera_from_world.T @ COLMAP_AXES
         shots.append(Shot(pose.name, position(at, pose.where), turn, fields[pose.camera]))
+        places.append(pose.where)
+        quaternions.append(pose.numbers[:4])
+    warn_of_lengths(np.reshape(quaternions, (-1, 4)), lambda row: places[row])
     return shots
 
 
