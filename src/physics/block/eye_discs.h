@@ -27,27 +27,19 @@ inline constexpr double least_disc_light = 1e-7;
 // The same of what ommatidia aim at, of which rays find what is less.
 inline constexpr double least_aimed_light = 1e-6;
 
-// Points on a disc, for each batch: where all of the pilot's see the disc, or none, and else.
+// Points on a disc, for each batch: where all of the pilot's see the disc, or none, and else at
+// least.
 struct DiscEffort {
   int pilot = 0, plain = 0, mixed = 0;  // the pilot's are all in one
 };
 
-// `most`: a bound on what the disc adds, in units of what an ommatidium gets by its rays; `over`:
-// how many times the acceptance's solid angle the disc is, as only that part of its points counts.
-// A half hidden disc that outshines all else is then off by some 0.4 %, others by less than what
-// rays of the rest are.
-OMMA_HD DiscEffort choose_disc_effort(double most, double over) {
-  DiscEffort effort{64, 8, 512};
-  if (most < 50) effort = {32, 4, 128};
-  if (most < 5) effort = {16, 2, 32};
-  if (most < 0.5) effort = {16, 2, 8};
-  if (most < 0.003) effort = {0, 2, 2};
-  for (double least = 1; least < over; least *= 2) {
-    effort.pilot *= 2;
-    effort.plain *= 2;
-    effort.mixed *= 2;
-  }
-  return effort;
+// `most`: a bound on what the disc adds, in units of what a surface gets. A half hidden disc that
+// outshines all else is then off by some 0.4 %.
+OMMA_HD DiscEffort choose_disc_effort(double most) {
+  if (most >= 50) return {64, 8, 512};
+  if (most >= 5) return {32, 4, 128};
+  if (most >= 0.5) return {16, 2, 32};
+  return most >= 0.003 ? DiscEffort{16, 2, 8} : DiscEffort{0, 2, 2};
 }
 
 // Sums over a replicate's points on a disc, [batch][band]: of all of their light, and of what
@@ -241,21 +233,20 @@ OMMA_HD double square_of(const FrameView& frame, int o, const double* error_2) {
   return error * error;
 }
 
-// Bounds on what the whole of a disc adds, [band], into memory.disc_bound. False where it adds
-// nothing.
+// Bounds on what the whole of a disc adds, [band], into memory.disc_bound; returns the largest.
 template <typename L>
-OMMA_HD_CALLED bool bound_disc(const DiscTask& of, const BlockMemory& memory) {
+OMMA_HD_CALLED double bound_disc(const DiscTask& of, const BlockMemory& memory) {
   const double whole = most_unit_pdf(of) / static_cast<double>(of.disc->density);
   double most = 0;
   for (int b = 0; b < of.frame->scene->bands; ++b) {
     memory.disc_bound[b] = static_cast<double>(of.disc->radiance[b]) * whole;
     most = fmax(most, memory.disc_bound[b]);
   }
-  return most >= least_disc_light;
+  return most;
 }
 
-// What is much dimmer than an ommatidium's brightest output is not asked for by its own size.
-inline constexpr double dim_output = 0.01;
+// What is dimmer than this part of an ommatidium's largest output is not asked for by its own size.
+inline constexpr double dim_output = 0.1;
 
 // What an ommatidium gets by its rays in output o, at least `dim_output` of its largest.
 OMMA_HD double light_by_rays(const FrameView& frame, const BlockMemory& memory, int o) {
@@ -264,26 +255,41 @@ OMMA_HD double light_by_rays(const FrameView& frame, const BlockMemory& memory, 
   return fmax(fabs(memory.by_rays[o]), dim_output * most);
 }
 
-// How many points a replicate looks at of a disc, whose bounds are in memory.disc_bound.
+// How many times the acceptance's solid angle a disc is, or 1: only that part of its points counts.
+OMMA_HD double over_acceptance(const DiscTask& of) {
+  return fmax(1.0, 1 / (static_cast<double>(of.disc->density) *
+                        static_cast<double>(of.replicate->acceptance_sr)));
+}
+
+// How many points a replicate looks at of a disc, of which `most` is the largest of
+// memory.disc_bound. Where its rays bring less than a surface gets, the pilot looks for less.
 template <typename L>
-OMMA_HD_CALLED DiscEffort disc_effort(const DiscTask& of, const BlockMemory& memory) {
-  double most = 0;
+OMMA_HD_CALLED DiscEffort disc_effort(const DiscTask& of, double most, const BlockMemory& memory) {
+  double over_rays = most;
   for (int o = 0; o < outputs_of_discs(*of.frame); ++o) {
     const double bound = fabs(output_of(*of.frame, o, memory.disc_bound));
     // 100 is as good as infinite.
-    most = fmax(most, bound / fmax(light_by_rays(*of.frame, memory, o), 0.01 * bound + 1e-300));
+    const double least = fmax(0.01 * bound, 1e-300);
+    over_rays = fmax(over_rays, bound / fmax(light_by_rays(*of.frame, memory, o), least));
   }
-  return choose_disc_effort(most, 1 / static_cast<double>(of.disc->density) /
-                                      static_cast<double>(of.replicate->acceptance_sr));
+  DiscEffort effort = choose_disc_effort(most);
+  effort.pilot = choose_disc_effort(over_rays).pilot;
+  const double over = over_acceptance(of);
+  for (double least = 1; least < over; least *= 2) {
+    effort.pilot *= 2;
+    effort.plain *= 2;
+    effort.mixed *= 2;
+  }
+  return effort;
 }
 
-// The error that what a replicate sees of a disc may have, of which output o is `light` with it: 1
-// % with 16 rays, as those fall; to reach a target 0.4 of what is left of it, as the error of
+// The error that what a replicate sees of a disc may have, of which output o is `light` with it:
+// 1.75 % with 16 rays, as those fall; to reach a target 0.4 of what is left of it, as the error of
 // batches is claimed, which is some 1.7 times that of all points together.
 OMMA_HD double asked_of_disc(const FrameView& frame, const BlockMemory& memory, int o,
                              double light) {
   if (frame.most_samples <= 0)
-    return 0.04 * light / sqrt(static_cast<double>(frame.directions->samples));
+    return 0.07 * light / sqrt(static_cast<double>(frame.directions->samples));
   const double target = fmax(frame.relative_error * light, frame.error / frame.radiance_unit);
   return 0.4 * sqrt(fmax(target * target - memory.by_rays_variance[o], 0.1 * target * target));
 }
@@ -309,8 +315,7 @@ OMMA_HD_CALLED int points_of_mixed(const DiscTask& of, const DiscSums& pilot, in
     const double light = light_by_rays(frame, memory, o) + open * bound;
     most = fmax(most, 0.5 * bound / asked_of_disc(frame, memory, o, light));
   }
-  const double over = fmax(1.0, 1 / (static_cast<double>(of.disc->density) *
-                                     static_cast<double>(of.replicate->acceptance_sr)));
+  const double over = over_acceptance(of);
   const int samples = frame.most_samples > 0 ? frame.most_samples : frame.directions->samples;
   const int largest = samples < 128 ? 64 * samples : 8192;
   int each = least;
@@ -340,8 +345,9 @@ OMMA_HD_CALLED void add_eye_discs(const FrameView& frame, const BlockTask& task,
                       &disc,
                       &replicate,
                       mix_bits_32(replicate.hash + static_cast<std::uint32_t>(i) * 0x85ebca6bu)};
-    if (!bound_disc<L>(of, memory)) continue;
-    const DiscEffort effort = disc_effort<L>(of, memory);
+    const double most = bound_disc<L>(of, memory);
+    if (!(most >= least_disc_light)) continue;
+    const DiscEffort effort = disc_effort<L>(of, most, memory);
     if (!any) {
       for (int b = 0; b < 2 * bands; ++b) of_band[b] = 0;
       for (int k = 0; frame.beside_moments && k < axis_moments * bands; ++k)
