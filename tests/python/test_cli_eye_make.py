@@ -157,7 +157,7 @@ def test_what_an_eye_file_loses_is_said(omma_eye):
     ("arguments", "words"),
     [
         (["make"], ["N", "--dphi"]),
-        (["make", "1"], ["N: expected"]),
+        (["make", "1"], ["N: expected", "axis_x,axis_y,axis_z,acceptance_angle_deg", "0,0,-1,5"]),
         (["make", "50", "--acute-zone", "0,0,10"], ["--acute-zone", "4 numbers", "0,0,10"]),
         (["make", "50", "--acute-band", "0,0,2"], ["--acute-band", "width"]),
         (["make", "50", "--streak", "a,b,c"], ["--streak", "3 numbers"]),

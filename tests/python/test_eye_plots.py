@@ -170,6 +170,8 @@ def test_poster_of_an_eye_behind_one_lens(tmp_path):
     shares = [share for stage, share in told if stage == "drawing"]
     assert len(shares) > 5
     assert shares == sorted(set(shares))
+    # Of which nobody knows how far it is.
+    assert told[-1] == ("writing the figure", None)
 
 
 def test_poster_of_a_species_names_the_standing_of_each_fact(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -69,6 +70,7 @@ sensitivity, skew, skew-normal, neighbours, eye, and the names of the eye's own 
 """
 
 _MOST_NAMED = 8
+_FIELD_WITHIN = 0.002  # of the sphere, as `field_of_view` finds solid angles
 
 
 def add_look_commands(app: typer.Typer) -> None:
@@ -253,7 +255,7 @@ def _parameter_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    sphere = 12.566370614
+    sphere = 4 * math.pi
     lines = []
     if len(summary["eyes"]) > 1:
         lines += [
@@ -275,7 +277,15 @@ def _field_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ]
     if len(zones) > _MOST_NAMED:
         lines.append(("", f"and {len(zones) - _MOST_NAMED} more blind zones"))
-    return lines if zones else [*lines, ("blind", "nowhere")]
+    rest = summary["blind_sr"] - sum(zone["solid_angle_sr"] for zone in zones)
+    if rest > _FIELD_WITHIN * sphere:
+        small = (
+            f"{rest:.3g} sr that no ommatidium sees, in pieces smaller than an ommatidium's cell"
+        )
+        lines.append(("" if zones else "blind", small))
+    elif not zones:
+        lines.append(("blind", "nowhere"))
+    return lines
 
 
 def _odd_lines(summary: dict[str, Any]) -> list[tuple[str, str]]:

@@ -183,6 +183,12 @@ def make(
         else (count is None and dphi is None and field is None)
     ):
         raise Error("make: expected N, --dphi or --field; or N with --even-facets, or --facet-um")
+    if count == 1:
+        raise Error(
+            "N: expected 2 or more, found 1; the eye of a single ommatidium is a CSV file of two "
+            "lines: axis_x,axis_y,axis_z,acceptance_angle_deg and, straight ahead and 5 degrees "
+            "wide, 0,0,-1,5"
+        )
     if field is not None and (dphi is not None or dphi_vertical is not None):
         raise Error("make: expected --field or --dphi, not both")
     if dphi_vertical is not None and dphi is None:

@@ -20,6 +20,9 @@ from omma.eye.neighbours import Neighbours
 
 # Directions that the sphere is asked in: 0.57° apart, each 0.1 msr.
 _DIRECTIONS = 1 << 17
+#: What no ommatidium sees is a gap between neighbours only where it is smaller than a cell, and
+#: than 1 % of the sphere: cells of a few ommatidia are as large as continents.
+MOST_GAP_SR = 0.01 * 4 * np.pi
 
 
 @value_class
@@ -41,7 +44,8 @@ class BlindZone:
 @dataclass(frozen=True, eq=False, repr=False)
 class Field:
     """Solid angles, sr: of each eye's field (by eye id), of what any eye sees, of what at least two
-    see; and the regions that none sees, the largest first."""
+    see, of what none sees; and the regions of that, the largest first. ``blind_sr`` has those too
+    that are too small to be listed."""
 
     eyes_sr: dict[int, float]
     seen_sr: float
@@ -56,7 +60,8 @@ def field_of_view(
     """The field of the axes (N, 3) with that lattice and local interommatidial angle (N,), rad.
 
     Directions are tried 0.57° apart; solid angles are within about 0.2 % of the sphere's 4π. Blind
-    regions of less than the largest ommatidial cell, or than 1 msr, are not listed.
+    regions of less than the largest ommatidial cell (of which more than 1 % of the sphere does not
+    count), or than 1 msr, are not listed.
     """
     directions = sphere_directions(_DIRECTIONS)
     each = 4 * np.pi / len(directions)
@@ -73,7 +78,7 @@ def field_of_view(
         seen_sr=float((times > 0).sum() * each),
         binocular_sr=float((times > 1).sum() * each),
         blind_sr=float(blind.sum() * each),
-        blind_zones=_zones(directions, blind, each, max(cell, 1e-3)),
+        blind_zones=_zones(directions, blind, each, min(max(cell, 1e-3), MOST_GAP_SR)),
     )
 
 

@@ -22,6 +22,7 @@ from omma.eye.outliers import angle_or_nan, outliers, surroundings
 from omma.receptors.sensitivity import ommatidium_of_receptor, receptor_optical_sensitivity
 
 _SAME = 1e-6  # of the eye's extent, and radians: what counts as the same position and direction
+_FLAT_RAD = np.pi / 3  # between axes: where they are further apart no lattice is flat around one
 _WAVELENGTH_NM = 500.0  # of the diffraction limit, where no other is asked for
 
 #: Snyder (1977, J Comp Physiol 116:161): D·Δφ of a diffraction-limited hexagonal eye, times λ.
@@ -48,6 +49,8 @@ class EyeMeasures:
         stretched by these two, has the same triangles.
     horizontal_rad, vertical_rad: Δφ in the head's horizontal and vertical direction: a regular
         hexagonal lattice of 1 rad, stretched by these two, has the same triangles.
+        These two are NaN where Δφ, the two above where ``surface_angle_rad`` is more than 60°, as
+        of a dozen ommatidia all around: no triangles are flat there.
     acceptance_rad, ratio: acceptance angle Δρ, and Δρ/Δφ.
     facet_diameter_m, eye_parameter_m_rad: D where known, and D·Δφ.
     facet_spacing_m: mean distance to the neighbours on the surface.
@@ -168,6 +171,9 @@ def measure_eye(eye: Eye) -> EyeMeasures:
     if flat.any():
         ellipse[flat] = _local_ellipse(axis, directions)[flat]
     has_surface = np.isfinite(around.on_surface)
+    on_surface = np.where(has_surface, around.on_surface, around.spacing)
+    across[around.spacing > _FLAT_RAD] = np.nan
+    ellipse[on_surface > _FLAT_RAD] = np.nan
     outward = np.zeros_like(position)
     for which in np.unique(eye_id):
         members = eye_id == which
@@ -183,7 +189,7 @@ def measure_eye(eye: Eye) -> EyeMeasures:
         border=directions.border,
         surface_border=np.where(has_surface, surface.border, directions.border),
         interommatidial_rad=around.spacing,
-        surface_angle_rad=np.where(has_surface, around.on_surface, around.spacing),
+        surface_angle_rad=on_surface,
         smaller_rad=ellipse[:, 0],
         larger_rad=ellipse[:, 1],
         horizontal_rad=np.sqrt(across[:, 0]),

@@ -36,7 +36,7 @@ from omma.base.progress import Stage
 from omma.eye.field import in_field
 from omma.eye.measures import EyeMeasures, measure_eye
 from omma.eye.properties import EyeProperty, expect_property, eye_property, is_known
-from omma.picture.fields import largest_cell_sr, without_gaps
+from omma.picture.fields import largest_gap_sr, without_gaps
 from omma.picture.map_projections import (
     MAP_HALVES,
     MERCATOR_EDGE,
@@ -117,7 +117,7 @@ def make_map(
         seen[k][inside] = seen_here
     each = _solid_angles(projection, inside, y)
     for k, which in enumerate(eyes):
-        least = largest_cell_sr(measures.cell_rad[measures.eye_id == which])
+        least = largest_gap_sr(measures.cell_rad[measures.eye_id == which])
         seen[k] = without_gaps(seen[k] | ~inside, each, least) & inside
     ommatidium = np.where(inside, np.int64(-1), np.int64(-2))
     nearest = np.full(inside.shape, -np.inf)
@@ -190,13 +190,13 @@ def plot_eye_maps(
         )
         for k, prop in enumerate(shown):
             if progress is not None:
-                progress("drawing", k / (len(shown) + 1))
+                progress("drawing", k / len(shown))
             panel = figure.add_subplot(rows, columns, k + 1)
             draw_map(figure, panel, the_map, prop, labels=True)
         figure.suptitle(plain(title or eye_title(eye)), fontsize="medium", weight="bold")
         figure.supxlabel(MAP_NOTE, fontsize="x-small")
         if progress is not None:
-            progress("drawing", len(shown) / (len(shown) + 1))
+            progress("writing the figure", None)
         save_figure(figure, names, dpi=300)
 
 

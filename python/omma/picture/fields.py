@@ -14,6 +14,7 @@ from omma import _core
 from omma._core import Eye
 from omma.base.arguments import checked, whole
 from omma.base.directions import direction
+from omma.eye.field import MOST_GAP_SR
 from omma.picture.kept_ids import Ids, kept_ids
 
 _LARGEST_PIXELS = 1 << 15
@@ -30,7 +31,7 @@ def field_ids(eye: Eye, width: int = 1024, height: int = 512) -> Ids:
     A direction counts as seen by the ommatidium with the nearest axis where it lies within that
     one's local interommatidial angle or its acceptance angle, whichever is larger. So the field
     ends about one facet beyond the last axis. Gaps in it that are smaller than an ommatidium's cell
-    lie between neighbours of a stretched lattice, and count as seen too.
+    and than 1 % of the sphere lie between neighbours of a stretched lattice, and count as seen too.
     """
     return _field_ids(eye, width, height, False)
 
@@ -78,11 +79,13 @@ def without_gaps(
     return np.asarray(seen | (size[patch] < least_sr))
 
 
-def largest_cell_sr(spacing_rad: NDArray[np.floating]) -> float:
+def largest_gap_sr(spacing_rad: NDArray[np.floating]) -> float:
     """The solid angle of the cells of an eye's widest ommatidia but for one in twenty, which may
-    stand alone: (√3/2)·Δφ² of a hexagon. ``spacing_rad`` is Δφ, (N,)."""
+    stand alone: (√3/2)·Δφ² of a hexagon, at most `MOST_GAP_SR`. ``spacing_rad`` is Δφ, (N,)."""
     known = spacing_rad[np.isfinite(spacing_rad)].astype(np.float64)
-    return float(np.sqrt(3) / 2 * np.percentile(known, 95) ** 2) if len(known) else 0.0
+    if not len(known):
+        return 0.0
+    return min(float(np.sqrt(3) / 2 * np.percentile(known, 95) ** 2), MOST_GAP_SR)
 
 
 def _field_ids(eye: Eye, width: int, height: int, apart: bool) -> Ids:
@@ -101,7 +104,7 @@ def _make_field(eye: Eye, width: int, height: int, apart: bool) -> Ids:
         return ids
     edges = np.sin(np.pi / 2 * np.linspace(1, -1, height + 1))
     each = (-np.diff(edges) * 2 * np.pi / width)[:, None]
-    least = largest_cell_sr(eye.interommatidial_angle_rad())
+    least = largest_gap_sr(eye.interommatidial_angle_rad())
     for panel in _panels(ids, width):
         gaps = without_gaps(panel >= 0, each, least) & (panel < 0)
         if gaps.any():

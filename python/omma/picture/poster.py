@@ -100,7 +100,7 @@ def plot_poster(
         names_of_maps = names_of_maps[:2]
     shown = [eye_property(eye, measures, name) for name in names_of_maps]
     spacing = shown[0]
-    panels = len(_VIEWS) + len(shown) + 2  # and those below, and the file
+    panels = len(_VIEWS) + len(shown) + 1  # and those below
     with figure_style(8.0):
         figure: Any = load_matplotlib()(figsize=(420 * MM, 297 * MM), layout="constrained")
         figure.get_layout_engine().set(w_pad=3 * MM, h_pad=3 * MM)
@@ -128,10 +128,10 @@ def plot_poster(
             tell("drawing", (len(_VIEWS) + k) / panels)
             draw_map(maps, maps.add_subplot(2, len(shown) // 2, k + 1), the_map, prop)
         maps.supxlabel(MAP_NOTE, fontsize="x-small")
-        tell("drawing", (panels - 2) / panels)
+        tell("drawing", (panels - 1) / panels)
         _lower(lower, eye, measures, has_surface(summary))
         _text(text.add_subplot(), _found(summary), facts)
-        tell("drawing", (panels - 1) / panels)
+        tell("writing the figure", None)
         save_figure(figure, names, dpi=200)
 
 
