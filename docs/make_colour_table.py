@@ -33,7 +33,10 @@ def cell(found: cv.Detection) -> str:
 
 
 def main() -> None:
-    print("| petal | colour, 7 ommatidia | colour, 59 | green receptors, 7 | photons of green |")
+    print(
+        "| petal | colour, 7 ommatidia | colour, 59 | green receptors, 7 | photons of green "
+        "receptors, d' = 1 |"
+    )
     print("| --- | --- | --- | --- | --- |")
     for petal in PETALS:
         target = cv.DiscTarget(0.03, reflectance(petal), background=reflectance(LEAF))

@@ -103,9 +103,10 @@ class Background:
 
         A path to a PNG, JPEG or WebP (8 and 16 bit: sRGB), Radiance HDR or OpenEXR file
         (float: linear radiance, HDR divided by its EXPOSURE; OpenEXR has channels R, G and B,
-        or Y alone), or an array of shape (height, width, 3 or 4) or, of greys, (height,
-        width): uint8 is sRGB, float is linear radiance. Between the middles of pixels it is
-        interpolated, which takes contrast from what is a few pixels wide.
+        or Y alone), turned as its EXIF says, or an array of shape (height, width, 3 or 4)
+        or, of greys, (height, width): uint8 is sRGB, float is linear radiance. Between the
+        middles of pixels it is interpolated, which takes contrast from what is a few pixels
+        wide.
 
         Raises `omma.Error` where the file or the array is not such an image.
         Warns `UserWarning` where it is not twice as wide as high.

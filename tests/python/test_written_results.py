@@ -471,6 +471,15 @@ def test_a_json_of_another_array_is_refused(folder):
         load_responses("out.npy")
 
 
+def test_labels_of_something_else_are_refused(folder):
+    """A .json whose variable has another name, as one that a disk has changed."""
+    render("out.npy")
+    about = Path("out.json")
+    about.write_text(about.read_text().replace('"response"', '"rasponse"'))
+    with pytest.raises(omma.Error, match="expected one called response"):
+        load_responses("out.npy")
+
+
 def test_names_that_would_meet(folder):
     (folder / "out.json").mkdir()
     with pytest.raises(omma.Error, match=r"out\.json"):

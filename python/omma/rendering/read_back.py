@@ -105,6 +105,8 @@ def _of_npy(name: str) -> xarray.Dataset:
     if not os.path.exists(about):
         raise Error(f"{name}: expected {about} beside it, which says what the numbers are")
     labels, files = labels_from_text(_core.read_file(about), about)
+    if "response" not in labels.variables:
+        raise Error(f"{about}: variables: expected one called response, found none")
     values = {}
     for variable in labels.variables:
         if variable not in files:
