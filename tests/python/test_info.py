@@ -133,6 +133,8 @@ def test_info_of_a_track(omma_command, tmp_path):
         "0.08 s, from 1782000000.04 to 1782000000.12 s, a position each 0.04 s, median (0.04 to "
         "0.04 s)"
     )
+    path.write_text("t_s,x_m,z_m\n0,0,0\n1e-300,1,0\n")
+    assert dict(describe_file(path))["duration"].startswith("1e-300 s, from 0 to 1e-300 s")
     path.write_text("x_m;z_m;heading_deg\n1,5;0;20\n")
     found = said(omma_command, path)
     assert found["duration"] == "not told: no column t_s"

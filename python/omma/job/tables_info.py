@@ -101,11 +101,11 @@ def _track(name: str) -> Lines:
 
 
 def _times(times_s: Floats, each: str) -> str:
-    first, last = (np.format_float_positional(one, trim="-") for one in times_s[[0, -1]])
+    first, last = (f"{one:.15g}" for one in times_s[[0, -1]])
     if len(times_s) == 1:
         return f"at {first} s"
     # Double precision holds no digit below; of times since 1970 that is 0.2 microseconds.
-    digits = -int(np.floor(np.log10(np.spacing(np.abs(times_s).max())))) - 1
+    digits = min(-int(np.floor(np.log10(np.spacing(np.abs(times_s).max())))) - 1, 300)
     steps = np.round(np.diff(times_s), digits)
     return (
         f"{np.round(np.ptp(times_s), digits):.6g} s, from {first} to {last} s, {each} each "

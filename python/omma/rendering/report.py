@@ -47,7 +47,8 @@ class SamplingReport:
 
     @property
     def missed(self) -> NDArray[np.int64]:
-        """Who had all rays and still a larger estimate: (M, 2), pose and ommatidium."""
+        """Whose estimate is larger than was asked for: (M, 2), pose and ommatidium. They had all
+        rays, or more do not help, as of what baked light errs by."""
         wanted = np.float32(self.error) if self.wanted is None else self.wanted
         return np.argwhere((self.standard_error > wanted).any(axis=-1))
 
