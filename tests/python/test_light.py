@@ -22,6 +22,18 @@ def test_uniform_light_is_the_same_from_everywhere():
     np.testing.assert_array_equal(seen[:, 1:], 0)
 
 
+@pytest.mark.parametrize("by_channels", [False, True])
+def test_some_bands_are_those_of_all(by_channels):
+    light = omma.light.clear_sky(30)
+    if by_channels:
+        picture = np.random.default_rng(0).random((6, 12, 3)).astype(np.float32)
+        light = omma.light.panorama(picture, ultraviolet="as_blue")
+    towards = direction(np.linspace(0, 360, 50), np.linspace(-90, 90, 50))
+    chosen = light._radiance_of(towards, [3, 9])
+    of_all = light.radiance(towards)[..., [3, 9]]
+    np.testing.assert_allclose(chosen, of_all, rtol=1e-6, atol=1e-6 * of_all.max())
+
+
 @pytest.mark.parametrize("tilt", [0, 30, 60, 90, 150])
 def test_a_tilted_facet_under_a_uniform_sky(tilt):
     # π L (1 + cos β) / 2. Where the facet's horizon cuts through the sky the sum is to 1e-4.

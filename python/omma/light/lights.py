@@ -153,8 +153,19 @@ class Light:
         if self.sky is not None:
             seen = self._in_bands(sky_map.look_up(self.sky, towards))
             found[..., : seen.shape[-2], :] = seen
-        for disc in self.discs:
-            found[..., 0, :] += self._open(disc) * disc.radiance_at(towards)
+        self._add_discs(towards, found, slice(None))
+        return found
+
+    def _radiance_of(self, direction: ArrayLike, bands: list[int]) -> Floats:
+        """As `radiance`, of some bands alone: (..., 3, len(bands))."""
+        towards = directions_of(direction)
+        found = np.zeros((*towards.shape[:-1], 3, len(bands)))
+        if self.sky is not None:
+            matrix = self.band_from_channel
+            sky = self.sky[..., bands] if matrix is None else self.sky @ matrix[bands].T
+            seen = sky_map.look_up(sky, towards)
+            found[..., : seen.shape[-2], :] = seen
+        self._add_discs(towards, found, bands)
         return found
 
     def irradiance(self, normal: ArrayLike = (0, 1, 0)) -> tuple[Floats, Floats]:
@@ -298,6 +309,10 @@ class Light:
         own = [f"{k}={v!r:.60}" for k, v in arguments.items() if k not in ("bands", "unit")]
         made = f"{name}({', '.join(own)})"
         return made if len(made) <= _LONGEST else made[: _LONGEST - 4] + "...)"
+
+    def _add_discs(self, towards: Floats, found: Floats, bands: list[int] | slice) -> None:
+        for disc in self.discs:
+            found[..., 0, :] += self._open(disc) * disc.radiance_at(towards)[..., bands]
 
     def _open(self, disc: Disc) -> float:
         """How much of a disc clouds leave at the world's origin."""

@@ -154,7 +154,7 @@ def _turning(z: NDArray[np.complex128]) -> Ints:
 def _on_map(light: Light, band: int, x: Floats, y: Floats) -> tuple[Any, Floats]:
     """Q + iU, (len(y), len(x)), by an axis that is the same all over the map, and the degree of
     polarisation; NaN below the horizon and where there is no polarised light."""
-    stokes = light.radiance(_towards(x, y))[:, :, :, band]
+    stokes = light._radiance_of(_towards(x, y), [band])[..., 0]
     own = stokes[..., 1] + 1j * stokes[..., 2]
     unknown = (np.hypot(x, y[:, None]) > 1) | (own == 0)
     # Up is towards the middle of the map, right in its middle as from the north.
@@ -180,7 +180,7 @@ def _polarised_around(light: Light, band: int, towards: Floats) -> float:
     out = np.radians(_AROUND_DEG) * np.array([1 / 3, 2 / 3, 1])[:, None, None]
     sideways = np.cos(turn)[:, None] * right + np.sin(turn)[:, None] * up
     beside = np.cos(out) * towards + np.sin(out) * sideways
-    stokes = light.radiance(beside)[..., band]
+    stokes = light._radiance_of(beside, [band])[..., 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         degree = np.hypot(stokes[..., 1], stokes[..., 2]) / stokes[..., 0]
     degree = np.where(beside[..., 1] > 0, np.nan_to_num(degree), 0.0)

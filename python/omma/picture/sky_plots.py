@@ -137,7 +137,7 @@ def _figure(light: Light, bands: list[int], title: str, size_mm: float) -> Any:
     from_zenith = np.hypot(east, north) * 90
     inside = from_zenith <= 90
     towards = direction(np.degrees(np.arctan2(east, north)), np.maximum(90 - from_zenith, 0))
-    stokes = light.radiance(towards)[:, :, :, bands]
+    stokes = light._radiance_of(towards, bands)
     discs = shining(light)
     skies = [[figure.add_subplot(grid[row, k]) for k in range(3)] for row in range(len(bands))]
     for row, band in enumerate(bands):
