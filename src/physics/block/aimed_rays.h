@@ -269,6 +269,7 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
       memory.by_rays[o] = by_rays.light;
       memory.by_rays_variance[o] = by_rays.variance;
     }
+    take_sizes(frame, memory);
     for (int i = 0; frame.beside_moments && i < axis_moments * frame.outputs; ++i)
       memory.beside_moments[i] = 0;
     const Replicate replicate = replicate_at(replicates, u);

@@ -110,8 +110,8 @@ struct BlockMemory {
   // In lit worlds: what a replicate sees of discs of the sky and of what it aims at (eye_discs.h,
   // aimed_rays.h) besides its rays, and the square of its error, [output].
   double *beside = nullptr, *beside_variance = nullptr;
-  // Of the same replicate what its rays bring, and the square of its error where an error is to be
-  // reached, [output of discs].
+  // Of the same replicate how much its rays bring (take_sizes), and the square of its error where
+  // an error is to be reached, [output of discs].
   double *by_rays = nullptr, *by_rays_variance = nullptr;
   // Of one replicate, on a disc: sums [disc_batches][band]; its light and error, [2][band]; bounds
   // on what the whole of one adds, [band].

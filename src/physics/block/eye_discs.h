@@ -248,11 +248,12 @@ OMMA_HD_CALLED double bound_disc(const DiscTask& of, const BlockMemory& memory) 
 // What is dimmer than this part of an ommatidium's largest output is not asked for by its own size.
 inline constexpr double dim_output = 0.1;
 
-// What an ommatidium gets by its rays in output o, at least `dim_output` of its largest.
-OMMA_HD double light_by_rays(const FrameView& frame, const BlockMemory& memory, int o) {
+// Takes what a replicate's rays bring by its size, at least `dim_output` of its largest output.
+OMMA_HD void take_sizes(const FrameView& frame, const BlockMemory& memory) {
   double most = 0;
-  for (int i = 0; i < outputs_of_discs(frame); ++i) most = fmax(most, fabs(memory.by_rays[i]));
-  return fmax(fabs(memory.by_rays[o]), dim_output * most);
+  for (int o = 0; o < outputs_of_discs(frame); ++o) most = fmax(most, fabs(memory.by_rays[o]));
+  for (int o = 0; o < outputs_of_discs(frame); ++o)
+    memory.by_rays[o] = fmax(fabs(memory.by_rays[o]), dim_output * most);
 }
 
 // How many times the acceptance's solid angle a disc is, or 1: only that part of its points counts.
@@ -270,7 +271,7 @@ OMMA_HD_CALLED DiscEffort disc_effort(const DiscTask& of, double most, const Blo
     const double bound = fabs(output_of(*of.frame, o, memory.disc_bound));
     // 100 is as good as infinite.
     const double least = fmax(0.01 * bound, 1e-300);
-    over_rays = fmax(over_rays, bound / fmax(light_by_rays(*of.frame, memory, o), least));
+    over_rays = fmax(over_rays, bound / fmax(memory.by_rays[o], least));
   }
   DiscEffort effort = choose_disc_effort(most);
   effort.pilot = choose_disc_effort(over_rays).pilot;
@@ -312,7 +313,7 @@ OMMA_HD_CALLED int points_of_mixed(const DiscTask& of, const DiscSums& pilot, in
   for (int o = 0; o < outputs_of_discs(frame); ++o) {
     const double bound = fabs(output_of(frame, o, memory.disc_bound));
     if (!(bound > 0)) continue;
-    const double light = light_by_rays(frame, memory, o) + open * bound;
+    const double light = memory.by_rays[o] + open * bound;
     most = fmax(most, 0.5 * bound / asked_of_disc(frame, memory, o, light));
   }
   const double over = over_acceptance(of);
