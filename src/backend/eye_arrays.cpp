@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "model/curve_order.h"
+#include "physics/rays/replicates.h"
 
 namespace omma {
 
@@ -81,6 +82,17 @@ EyeView view(const EyeArrays& a) {
           a.has_scales,
           static_cast<std::int32_t>(a.size()),
           a.version};
+}
+
+int ommatidia_that_hear(std::size_t ommatidia) {
+  const auto last_of = [&](int block) {
+    const std::size_t left = ommatidia % static_cast<std::size_t>(block);
+    return left == 0 ? static_cast<std::size_t>(block) : left;
+  };
+  int best = most_per_block;
+  for (int block = most_per_block; block >= most_per_block / 2; --block)
+    if (last_of(block) > last_of(best)) best = block;
+  return best;
 }
 
 std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block) {

@@ -41,6 +41,10 @@ EyeArrays make_eye_arrays(const Eye& eye, const DirectionTables& directions,
 // Points into the arrays.
 EyeView view(const EyeArrays& arrays);
 
+// How many ommatidia in a row make a block whose members hear each other: so many, half of
+// most_per_block or more, that the last block of an eye has as many as can be.
+int ommatidia_that_hear(std::size_t ommatidia);
+
 // [ommatidium][listened_to]: those nearest to it in direction among its block, which are as many in
 // a row as `block` says; by their place in the block, itself where there are too few.
 std::vector<std::uint8_t> nearest_in_blocks(const EyeArrays& eye, int block);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <string_view>
 #include <utility>
 
@@ -62,6 +63,25 @@ Image decode_alone(EncodedImage bytes, const std::string& place, const WorkPart&
 bool is_openexr(EncodedImage bytes) {
   constexpr std::array<std::uint8_t, 4> magic = {0x76, 0x2F, 0x31, 0x01};
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+void check_primaries(const Primaries& found, const std::string& place) {
+  constexpr Primaries srgb = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
+  // Radiance's own, whose white is that of equal energy, are 0.021 from them and count as the same;
+  // those of wider gamuts (Adobe RGB, P3, Rec. 2020, ACES) are 0.05 or more away.
+  constexpr double same = 0.025;
+  bool is_same = true;
+  for (std::size_t i = 0; i < srgb.size(); ++i)
+    is_same = is_same && std::abs(found[i] - srgb[i]) <= same;
+  if (is_same) return;
+  std::string shown;
+  for (std::size_t i = 0; i < found.size(); i += 2) {
+    char pair[64];
+    std::snprintf(pair, sizeof pair, "%s(%.4g, %.4g)", i == 0 ? "" : " ", found[i], found[i + 1]);
+    shown += pair;
+  }
+  throw Error(place + ": expected colours of sRGB's primaries (Rec. 709), found red, green, blue " +
+              "and white at (x, y) " + shown + ": convert it to linear sRGB first");
 }
 
 double srgb_from_linear(double linear) {

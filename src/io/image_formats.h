@@ -3,6 +3,7 @@
 // of the libraries become omma::Error, their warnings are never printed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -21,6 +22,12 @@ struct ImageClaim {
   std::uint64_t memory = 0;            // bytes: the pixels, and what the decoder holds besides
   std::uint64_t most_pixels = 0;       // that the encoded bytes can hold, by their format
 };
+
+// CIE 1931 chromaticities x and y of red, green, blue and white.
+using Primaries = std::array<double, 8>;
+
+// Throws omma::Error where linear colours are of other primaries than sRGB's (Rec. 709).
+void check_primaries(const Primaries& found, const std::string& place);
 
 bool is_png(EncodedImage bytes);
 bool is_jpeg(EncodedImage bytes);

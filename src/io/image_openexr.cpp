@@ -2,12 +2,14 @@
 // numbers, any compression; colour or grey. The first part of a file that has several; level 0 of
 // tiles. Colour is light as it is: alpha is not used, since colour is premultiplied with it.
 #include <ImfChannelList.h>
+#include <ImfChromaticities.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
 #include <ImfTileDescription.h>
 
 #include <algorithm>
@@ -168,6 +170,12 @@ Image decode_openexr(EncodedImage bytes, const std::string& place, const WorkPar
       throw Error(place + ": expected pixels for all of its display window (" +
                   text(header.displayWindow()) + "), found its data window " + text(window));
     const std::array<const char*, 3> channels = colour_channels(header, place);
+    if (channels[1] != nullptr && Imf::hasChromaticities(header)) {
+      const Imf::Chromaticities& of = Imf::chromaticities(header);
+      check_primaries({of.red.x, of.red.y, of.green.x, of.green.y, of.blue.x, of.blue.y, of.white.x,
+                       of.white.y},
+                      place);
+    }
 
     Image image;
     image.width = static_cast<int>(extent(window.min.x, window.max.x));

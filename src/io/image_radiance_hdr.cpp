@@ -2,6 +2,8 @@
 // description of the format: a text header, a line with the size, then scanlines that are plain or
 // run-length encoded by component. Read by hand: what reads them in distributions' packages is part
 // of whole image systems (OpenImageIO, FreeImage, ImageMagick), each many times the size of Omma.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
@@ -56,35 +58,56 @@ void read_scanline(Reader& reader, std::vector<std::uint8_t>& rgbe, int width) {
     for (std::size_t i = 4; i < rgbe.size(); ++i) rgbe[i] = reader.next();
 }
 
+using Rgb = std::array<double, 3>;
+
 struct Header {
   ImageClaim claim;
-  double exposure = 1;  // by which radiances have been multiplied
+  Rgb exposure = {1, 1, 1};  // by which red, green and blue have been multiplied
 };
 
-// A line EXPOSURE=number; each one is by itself, and all of them were multiplied in.
-double exposure_of(const std::string& line, const std::string& place) {
-  double exposure = 0;
-  if (std::sscanf(line.c_str(), "EXPOSURE=%lf", &exposure) != 1 || !(exposure > 0) ||
-      !std::isfinite(exposure))
-    throw Error(place + ": expected EXPOSURE= and a number above 0 in its header, found " +
+// Lines NAME=numbers that tell by what colours were multiplied; each one is by itself, and all of
+// them were multiplied in.
+void multiply_exposure(const std::string& line, const std::string& place, Rgb& exposure) {
+  Rgb by = {};
+  const bool one = std::sscanf(line.c_str(), "EXPOSURE=%lf", &by[0]) == 1;
+  if (one) by[1] = by[2] = by[0];
+  const bool three =
+      std::sscanf(line.c_str(), "COLORCORR=%lf %lf %lf", &by[0], &by[1], &by[2]) == 3;
+  const auto is_factor = [](double x) { return x > 0 && std::isfinite(x); };
+  if (!(one || three) || !std::all_of(by.begin(), by.end(), is_factor))
+    throw Error(place +
+                ": expected EXPOSURE= and a number, or COLORCORR= and three numbers, above " +
+                "0 in its header, found " + readable_text(line));
+  for (std::size_t c = 0; c < 3; ++c) exposure[c] *= by[c];
+}
+
+// A line PRIMARIES=xr yr xg yg xb yb xw yw.
+Primaries primaries_of(const std::string& line, const std::string& place) {
+  Primaries p = {};
+  if (std::sscanf(line.c_str(), "PRIMARIES=%lf %lf %lf %lf %lf %lf %lf %lf", &p[0], &p[1], &p[2],
+                  &p[3], &p[4], &p[5], &p[6], &p[7]) != 8)
+    throw Error(place + ": expected PRIMARIES= and eight numbers in its header, found " +
                 readable_text(line));
-  return exposure;
+  return p;
 }
 
 // The header, up to the pixels.
 Header read_header(Reader& reader) {
   const std::string& place = reader.place;
   bool rgbe_format = false;
-  double exposure = 1;
+  Rgb exposure = {1, 1, 1};
   for (std::string line = reader.line(); !line.empty(); line = reader.line()) {
     if (line == "FORMAT=32-bit_rle_rgbe") rgbe_format = true;
-    if (line.starts_with("EXPOSURE=")) exposure *= exposure_of(line, place);
+    if (line.starts_with("EXPOSURE=") || line.starts_with("COLORCORR="))
+      multiply_exposure(line, place, exposure);
+    if (line.starts_with("PRIMARIES=")) check_primaries(primaries_of(line, place), place);
   }
   if (!rgbe_format) throw Error(place + ": expected FORMAT=32-bit_rle_rgbe in its header");
   const std::string size = reader.line();
   int width = 0, height = 0;
   if (std::sscanf(size.c_str(), "-Y %9d +X %9d", &height, &width) != 2)
-    throw Error(place + ": expected its size as \"-Y height +X width\"");
+    throw Error(place + ": expected its size as \"-Y height +X width\", found " +
+                readable_text(size));
   ImageClaim claim{width, height, 0, 0};
   if (width < 1 || height < 1) return {claim, exposure};
   claim.memory = static_cast<std::uint64_t>(claim.width * claim.height) * 4 * sizeof(float);
@@ -120,9 +143,10 @@ Image decode_radiance_hdr(EncodedImage bytes, const std::string& place, const Wo
     for (std::size_t i = 0; i < row; i += 4) {
       float* pixel = &image.rgba_linear[first + i];
       for (std::size_t c = 0; c < 3; ++c)
-        pixel[c] = rgbe[i + 3] == 0
-                       ? 0.0f
-                       : static_cast<float>(std::ldexp(rgbe[i + c] / exposure, rgbe[i + 3] - 136));
+        pixel[c] =
+            rgbe[i + 3] == 0
+                ? 0.0f
+                : static_cast<float>(std::ldexp(rgbe[i + c] / exposure[c], rgbe[i + 3] - 136));
       pixel[3] = 1.0f;
     }
   }

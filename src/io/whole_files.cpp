@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <optional>
 #include <random>
@@ -40,13 +41,17 @@ std::string new_token() {
   return std::string(text).substr(0, token_length);
 }
 
-// The part of a name that its temporary file begins with. Names may have 255 bytes.
+// What the temporary file of a name begins with. Names may have 255 bytes; what is left out of a
+// long one is there as a hash, as files of one call may differ in their ends alone.
 std::string stem_of(const std::string& name) {
   constexpr std::size_t longest = 200;
   if (name.size() <= longest) return name;
-  std::size_t end = longest;
+  char hash[2 + 2 * sizeof(std::uint64_t)];
+  std::snprintf(hash, sizeof hash, "~%016llx",
+                static_cast<unsigned long long>(std::hash<std::string>()(name)));
+  std::size_t end = longest - std::strlen(hash);
   while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // UTF-8
-  return name.substr(0, end);
+  return name.substr(0, end) + hash;
 }
 
 fs::path folder_of(const fs::path& target) {

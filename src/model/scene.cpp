@@ -13,6 +13,7 @@
 #include "model/rig_check.h"
 #include "model/scene_light.h"
 #include "model/splat_check.h"
+#include "model/text.h"
 #include "model/texture_uses.h"
 #include "omma/error.h"
 #include "omma/rig.h"  // IWYU pragma: keep, compared here
@@ -217,8 +218,14 @@ void check_image(const Image& image, const std::string& place) {
                 " values in one of two arrays, found " + std::to_string(encoded) + " 8-bit and " +
                 std::to_string(linear) + " float");
   const auto is_finite = [](float v) { return std::isfinite(v); };
-  if (!std::all_of(image.rgba_linear.begin(), image.rgba_linear.end(), is_finite))
-    throw Error(place + ": a pixel is not finite");
+  const auto at = std::find_if_not(image.rgba_linear.begin(), image.rgba_linear.end(), is_finite);
+  if (at == image.rgba_linear.end()) return;
+  const auto pixel = static_cast<std::size_t>(at - image.rgba_linear.begin()) / 4;
+  const auto width = static_cast<std::size_t>(image.width);
+  throw Error(place + (image.name.empty() ? "" : " (" + readable_text(image.name) + ")") +
+              ": expected finite pixels, found " + (std::isnan(*at) ? "nan" : "infinity") +
+              " in row " + std::to_string(pixel / width) + ", column " +
+              std::to_string(pixel % width));
 }
 
 void check_camera(const Camera& camera, const std::string& place) {

@@ -156,7 +156,7 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     eyes = spans_of_eyes(eye.size(), settings.eye_sizes);
     for (const DirectionTables& tables : directions) direction_views.push_back(omma::view(tables));
     least_acceptance_sr = least_acceptance(eye_view, direction_views.front(), eye.size());
-    if (target != nullptr) nearest = nearest_in_blocks(eye_arrays, most_per_block);
+    if (target != nullptr) nearest = nearest_in_blocks(eye_arrays, ommatidia_that_hear(eye.size()));
     if (shares_rays(settings.sampling)) shared_set(*this, 0);
     times.directions_s = seconds_since(start);
   });

@@ -78,7 +78,7 @@ Blocks cut_into_blocks(const Renderer::State& s, const RenderCall& call, const O
     frame.most_samples = to_error->most;
     frame.nearest = s.nearest.data();
     // Neighbours are heard within a block, so that it is large whatever the least number of rays.
-    blocks.per_block = most_per_block;
+    blocks.per_block = ommatidia_that_hear(s.eye.size());
     return blocks;
   }
   if (!call.standard_error.empty()) frame.scrambles = error_scrambles;

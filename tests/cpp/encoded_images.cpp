@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <png.h>
@@ -297,6 +298,9 @@ EncodedKind exr_image(const std::string& name, const ExrWay& way) {
   header.compression() = static_cast<Imf::Compression>(way.compression);
   if (way.tiled) header.setTileDescription(Imf::TileDescription(8, 4, Imf::ONE_LEVEL));
   if (!way.attribute.empty()) header.insert("text", Imf::StringAttribute(way.attribute));
+  if (const auto& of = way.chromaticities; !of.empty())
+    Imf::addChromaticities(header,
+                           {{of[0], of[1]}, {of[2], of[3]}, {of[4], of[5]}, {of[6], of[7]}});
   const auto value = [](int x, int y, std::size_t c) {
     return std::ldexp(code(x, y, static_cast<int>(c % 4)), static_cast<int>(c) - 4);
   };

@@ -32,6 +32,7 @@ struct ExrWay {
   int compression = 0;          // of ImfCompression.h
   int first_x = 0, crop_x = 0;  // of the data window, and what of it the display window leaves out
   std::string attribute = {};   // a text to store, if any
+  std::vector<float> chromaticities = {};  // x and y of red, green, blue and white, if any
 };
 EncodedKind exr_image(const std::string& name, const ExrWay& way);
 

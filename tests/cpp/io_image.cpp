@@ -109,6 +109,15 @@ TEST(Image, RadianceHdr) {
   EXPECT_FLOAT_EQ(exposed("EXPOSURE= 2\nEXPOSURE=4\n"), exposed("") / 8);
   for (const char* bad : {"EXPOSURE=\n", "EXPOSURE=0\n", "EXPOSURE=-1\n", "EXPOSURE=nan\n"})
     expect_error([&] { exposed(bad); }, {"place", "EXPOSURE"});
+  // Colours one by one too, whatever the exposure.
+  const Image red = decode(head + "COLORCORR=2 1 4\nEXPOSURE=2\n\n-Y 1 +X 1\n" + one);
+  EXPECT_EQ(red.rgba_linear, (std::vector<float>{0.25f, 0.25f, 0.03125f, 1}));
+  for (const char* bad : {"COLORCORR=1 1\n", "COLORCORR=1 0 1\n", "PRIMARIES=1 2\n"})
+    expect_error([&] { exposed(bad); }, {"place", std::string(bad).substr(0, 8)});
+  // Of the primaries only sRGB's, and Radiance's own, which are nearly these.
+  EXPECT_FLOAT_EQ(exposed("PRIMARIES=.64 .33 .29 .6 .15 .06 .333 .333\n"), exposed(""));
+  const char* aces = "PRIMARIES=0.713 0.293 0.165 0.83 0.128 0.044 0.32168 0.33767\n";
+  expect_error([&] { exposed(aces); }, {"place", "0.713", "sRGB"});
   expect_error([&] { decode("#?RADIANCE\nFORMAT=x\n\n-Y 1 +X 1\nabcd"); }, {"place", "FORMAT"});
 }
 
@@ -233,6 +242,15 @@ TEST(Image, OpenExrThatIsNoPanorama) {
   expect_error([&] { decode_exr({{"R", "G"}}); }, {"place", "R, G and B", "found G, R"});
   expect_error([&] { decode_exr({{"Z"}}); }, {"place", "R, G and B", "found Z"});
   expect_error([&] { decode_exr({{"Y", "RY", "BY"}}); }, {"place", "found BY, RY, Y"});
+  ExrWay wide;
+  wide.chromaticities = {0.713f, 0.293f, 0.165f,   0.83f,
+                         0.128f, 0.044f, 0.32168f, 0.33767f};  // ACES
+  expect_error([&] { decode_exr(wide); }, {"place", "0.713", "sRGB"});
+  wide.channels = {"Y"};  // greys have no colour
+  decode_exr(wide);
+  wide = {};
+  wide.chromaticities = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+  decode_exr(wide);
   ExrWay cropped;
   cropped.crop_x = 4;
   expect_error([&] { decode_exr(cropped); },

@@ -187,6 +187,14 @@ TEST(WholeFiles, LongNames) {
     files->open((folder.path / name).string());
   });
   EXPECT_EQ(left_behind({(folder.path / name).string()}).size(), 1u);
+  // Files of one call that differ in their ends.
+  const std::string first = std::string(246, 'b') + ".npy",
+                    second = std::string(246, 'b') + ".json";
+  WholeFiles both;
+  for (const std::string& one : {first, second})
+    both.close(both.open((folder.path / one).string()));
+  both.finish();
+  EXPECT_TRUE(fs::exists(folder.path / first) && fs::exists(folder.path / second));
 }
 
 TEST(WholeFiles, WhatKilledRunsLeaveIsFound) {

@@ -141,7 +141,7 @@ TEST(ValidateScene, Numbers) {
         s.images[0].rgba_srgb8.clear();
         s.images[0].rgba_linear = {0, 0, nan, 1};
       },
-      "image 0: a pixel is not finite");
+      "image 0: expected finite pixels, found nan in row 0, column 0");
 }
 
 // Sums, and sums of squares, must stay within single precision whatever is seen.

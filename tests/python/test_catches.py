@@ -193,6 +193,8 @@ def test_solid_angles_of_widths_and_of_receptors_own():
     assert found[1, 0] == pytest.approx(
         float(omma.receptors.solid_angle_sr(omma.Acceptance.gaussian(0.05))), rel=1e-6
     )
+    with pytest.raises(omma.Error, match=r"eye\.acceptance_angle_rad"):
+        omma.receptors.solid_angle_sr(bee())
     own = ReceptorType("own", peak_wavelength_nm=500, acceptance=omma.Acceptance.pillbox(0.4))
     plain = ReceptorType("plain", peak_wavelength_nm=500)
     eye = make_eye(2).replace(

@@ -30,6 +30,55 @@ def test_reaches_the_error(scene, eye, flight):
     assert np.sqrt(np.mean((responses - truth) ** 2)) < 0.01
 
 
+@pytest.fixture(scope="module")
+def room():
+    """A room of 4 x 3 x 4 m whose only light comes in by a window of 0.3 m in front (-Z)."""
+    grey, half, y = (0.4, 0.4, 0.4), 0.15, 1.8
+    plane, back = omma.scene.plane, {"facing": (0, 0, 1)}
+    walls = [
+        plane((4, 4), grey),
+        plane((4, 4), grey, center_m=(0, 3, 0), facing=(0, -1, 0)),
+        plane((4, 3), grey, center_m=(-2, 1.5, 0), facing=(1, 0, 0)),
+        plane((4, 3), grey, center_m=(2, 1.5, 0), facing=(-1, 0, 0)),
+        plane((4, 3), grey, center_m=(0, 1.5, 2), facing=(0, 0, -1)),
+        plane((4, y - half), grey, center_m=(0, (y - half) / 2, -2), **back),
+        plane((4, 3 - y - half), grey, center_m=(0, (3 + y + half) / 2, -2), **back),
+        plane((2 - half, 2 * half), grey, center_m=(-(2 + half) / 2, y, -2), **back),
+        plane((2 - half, 2 * half), grey, center_m=((2 + half) / 2, y, -2), **back),
+    ]
+    light = omma.light.uniform_sky(1e17, bands=omma.light.Bands.equal(1, 400, 700))
+    return omma.World(omma.scene.merge_scenes(walls), light=light)
+
+
+# Blocks of ommatidia have 64 members at most: 65 would leave one alone with its luck.
+@pytest.mark.parametrize("count", [1, 65, 129])
+def test_none_is_dark_by_few_rays_alone(room, count):
+    eye = omma.Eye([[0, 0, 0]], [[0, 0, 1]], 0.3)
+    if count > 1:
+        eye = omma.eye.generate_eye(count, acceptance_ratio=0.35)
+    heard = min(count, 9)
+    pose = omma.poses_from_angles((0.5, 1.2, 0.5), (0, 0, 0))
+    for seed in range(12):
+        sampling = omma.ToError(relative_error=0.1, most=256)
+        renderer = omma.Renderer(room, eye, sampling, seed=seed)
+        responses, report = renderer.render(pose, report=True)
+        dark = responses[0, :, 0] == 0
+        assert np.all(report.rays[0, dark] * heard >= 256)
+        # Others of its block see light, so that it goes on to the end.
+        assert count == 1 or np.all(report.rays[0, dark] == 256)
+
+
+def test_what_is_black_is_left_in_time(eye):
+    # Nine hear each other: 32 rays and then 512 are the first that make 4,096.
+    black = omma.Background.constant((0, 0, 0))
+    world = omma.World(omma.scene.plane((1, 1), (0, 0, 0)), background=black)
+    renderer = omma.Renderer(world, eye, omma.ToError(relative_error=0.1))
+    responses, report = renderer.render(omma.look_at((0, 1, 0), (0, 2, -1)), report=True)
+    assert np.all(responses == 0)
+    assert np.all(report.standard_error == 0)
+    assert np.all(report.rays == 544)
+
+
 RELATIVE = omma.ToError(relative_error=0.05)
 
 

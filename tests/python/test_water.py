@@ -258,6 +258,14 @@ class TestWater:
             uniform_sky(1.0, bands=FEW), 2.0, absorption_per_m=0.2, scattering_per_m=[0.1, 0.2, 0.3]
         )
         np.testing.assert_allclose(light.extinction_per_m, [0.3, 0.4, 0.5])
+        even = omma.light.Spectrum([300.0, 800.0], [0.2, 0.2])
+        alike = under_water(
+            uniform_sky(1.0, bands=FEW),
+            2.0,
+            absorption_per_m=even,
+            scattering_per_m=[0.1, 0.2, 0.3],
+        )
+        np.testing.assert_allclose(alike.extinction_per_m, [0.3, 0.4, 0.5])
 
     def test_bad_input(self):
         even = uniform_sky(1.0, bands=FEW)

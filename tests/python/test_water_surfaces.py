@@ -335,6 +335,19 @@ def test_as_measured():
     below = 0.33 * back / (0.4 + back)
     found = np.interp(500, made.reflectance.wavelength_nm, made.reflectance.value)
     assert found == pytest.approx(leaving(np.array(below), surface_albedo(0.0, N), N), rel=0.1)
+    by_numbers = water(absorption_per_m=0.4, scattering_per_m=1.0).reflectance
+    assert np.interp(500, by_numbers.wavelength_nm, by_numbers.value) == pytest.approx(found)
+
+
+def test_what_does_not_scatter_is_black():
+    ink = water(absorption_per_m=500.0, scattering_per_m=0.0)
+    assert np.all(ink.reflectance.value == 0)
+    scene = omma.scene.plane((8, 8)).replace(materials=[ink])
+    light = omma.light.uniform_sky(1.0, bands=omma.light.Bands.equal(2, 400, 700))
+    eye = omma.Eye([[0, 0, 0]], [[0, 0, -1]], np.radians(1.0))
+    down = omma.look_at((0, 1, 0), (0, 0, -1e-3))
+    seen = omma.Renderer(omma.World(scene, light=light), eye, omma.Fixed(64)).render(down)
+    assert seen[0, 0] == pytest.approx(mirrored(np.array(1.0)), rel=0.01)
 
 
 def test_files_keep_it(tmp_path):

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from omma._core import Error
-from omma.base.arguments import array_of, checked, one_of, within
+from omma._core import Error, Spectrum
+from omma.base.arguments import array_of, as_named, checked, one_of, within
 from omma.base.arrays import Floats
 from omma.base.directions import direction
 from omma.base.warn import warn_caller
@@ -77,8 +77,8 @@ def under_water(
     depth_m: float,
     water: str | None = None,
     *,
-    absorption_per_m: ArrayLike | None = None,
-    scattering_per_m: ArrayLike | None = None,
+    absorption_per_m: Spectrum | ArrayLike | None = None,
+    scattering_per_m: Spectrum | ArrayLike | None = None,
     refractive_index: float = 1.34,
 ) -> Light:
     """What an animal under a level water surface has around it, of a light above.
@@ -95,9 +95,9 @@ def under_water(
         depth_m: of the animal below the surface, 0 to 1000 m. The light is that of this depth.
         water: its type after Jerlov: "I", "IA", "IB", "II", "III" (ocean, from the clearest),
             "1C", "3C", "5C", "7C", "9C" (coast). None: "IB", unless it is given as measured.
-        absorption_per_m: a as measured, above 0, a number or (B,); with ``scattering_per_m``,
-            instead of ``water``.
-        scattering_per_m: b as measured, a number or (B,). Up to what pure sea water scatters it is
+        absorption_per_m: a as measured, above 0, a number, (B,) or a spectrum; with
+            ``scattering_per_m``, instead of ``water``.
+        scattering_per_m: b as measured, given alike. Up to what pure sea water scatters it is
             by molecules, the rest by particles.
         refractive_index: n of the water, 1.3 to 1.4, for all bands.
 
@@ -160,12 +160,17 @@ def _of_type(kind: str, bands: Bands) -> _Water:
     )
 
 
-def _as_measured(absorption: ArrayLike, scattering: ArrayLike, bands: Bands) -> _Water:
+def _as_measured(
+    absorption: Spectrum | ArrayLike, scattering: Spectrum | ArrayLike, bands: Bands
+) -> _Water:
     given = []
     for name, one in (("absorption_per_m", absorption), ("scattering_per_m", scattering)):
-        values = array_of(one, name)
+        with as_named(spectrum=name):
+            values = bands.mean(one) if isinstance(one, Spectrum) else array_of(one, name)
         if values.shape not in ((), (len(bands),)):
-            raise Error(f"{name}: expected a number or ({len(bands)},), found {values.shape}")
+            raise Error(
+                f"{name}: expected a number, ({len(bands)},) or a spectrum, found {values.shape}"
+            )
         least = 1e-9 if name == "absorption_per_m" else 0.0
         if not np.all((values >= least) & (values <= 500)):
             raise Error(f"{name}: expected {least:g} to 500 per m, found {values.tolist()!r:.60}")

@@ -44,6 +44,11 @@ def solid_angle_sr(acceptance: Acceptance | ArrayLike) -> Floats:
     """
     if isinstance(acceptance, Acceptance):
         return np.asarray(_of_one(acceptance))
+    if isinstance(acceptance, Eye):
+        raise Error(
+            "acceptance: expected an omma.Acceptance or widths, found an eye; those of its "
+            "ommatidia are solid_angle_sr(eye.acceptance_angle_rad)"
+        )
     width = array_of(acceptance, "acceptance")
     if not ((width >= 0) & (width <= math.tau)).all():
         raise Error("acceptance: expected widths of 0 to 2π rad")

@@ -59,8 +59,8 @@ def water(
     mean_square_slope: float | None = None,
     depth_m: float | None = None,
     bottom: str | float | Spectrum | None = None,
-    absorption_per_m: Spectrum | None = None,
-    scattering_per_m: Spectrum | None = None,
+    absorption_per_m: Spectrum | float | None = None,
+    scattering_per_m: Spectrum | float | None = None,
     refractive_index: float = 1.34,
 ) -> Material:
     """Water seen from above, as a material of scenes, for worlds that are lit.
@@ -81,7 +81,8 @@ def water(
         depth_m: of the bottom, 0 to 1000 m. None: no light comes back from there.
         bottom: what lies there: the name of a natural material, whose diffuse reflectance counts,
             a reflectance from 400 nm or below to 700 nm, or one number for all wavelengths.
-        absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``.
+        absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``: a spectrum,
+            or one number for all wavelengths.
         scattering_per_m: b as measured. Up to what pure sea water scatters it is by molecules, of
             which half goes back, the rest by particles, of which 0.0183 does.
         refractive_index: n of the water, 1.3 to 1.4, for all wavelengths.
@@ -112,7 +113,7 @@ def water(
         ior=n,
         roughness=roughness,
         reflectance=Spectrum(nm, reflectance),
-        spectral_luminance=luminance(color),
+        spectral_luminance=luminance(color) or 1.0,  # black: any does
     )
 
 
@@ -122,8 +123,8 @@ def water_volume(
     *,
     wind_m_per_s: float | None = None,
     mean_square_slope: float | None = None,
-    absorption_per_m: Spectrum | None = None,
-    scattering_per_m: Spectrum | None = None,
+    absorption_per_m: Spectrum | float | None = None,
+    scattering_per_m: Spectrum | float | None = None,
     refractive_index: float = 1.34,
 ) -> Material:
     """Water that one looks into, as the material of its surface: a level mesh or one with waves,
@@ -144,7 +145,8 @@ def water_volume(
             measured.
         wind_m_per_s: 12.5 m above the water, 0 to 14. 0 or None: its facets are those of the mesh.
         mean_square_slope: of the waves, in all directions together, instead of a wind.
-        absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``.
+        absorption_per_m: a as measured, with ``scattering_per_m``, instead of ``kind``: a spectrum,
+            or one number for all wavelengths.
         scattering_per_m: b as measured. Up to what pure sea water scatters it is by molecules.
         refractive_index: n of the water, 1.3 to 1.4, for all wavelengths.
 
@@ -225,7 +227,7 @@ def _sent_up(share: Floats) -> Floats:
 
 
 def _inside(
-    kind: str | None, absorption: Spectrum | None, scattering: Spectrum | None
+    kind: str | None, absorption: Spectrum | float | None, scattering: Spectrum | float | None
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Wavelengths, nm, and what the water absorbs there, and what its molecules and particles
     scatter, m⁻¹, (W,) each."""
@@ -238,6 +240,7 @@ def _inside(
         raise Error("kind: expected none beside absorption_per_m and scattering_per_m")
     if absorption is None or scattering is None:
         raise Error("absorption_per_m, scattering_per_m: expected both or none of them")
+    absorption, scattering = _spectrum(absorption), _spectrum(scattering)
     for name, one, least in (
         ("absorption_per_m", absorption, 1e-9),
         ("scattering_per_m", scattering, 0.0),
@@ -252,6 +255,13 @@ def _inside(
     whole = _at(nm, scattering)
     molecules = np.minimum(whole, scattering_by_molecules(nm))
     return nm, _at(nm, absorption), molecules, whole - molecules
+
+
+def _spectrum(value: Spectrum | float) -> Spectrum:
+    """A number stands for all wavelengths."""
+    if isinstance(value, Spectrum):
+        return value
+    return Spectrum(_NM[[0, -1]], np.full(2, float(value)))
 
 
 def _above_bottom(
@@ -285,7 +295,7 @@ def _above_bottom(
                 "bottom: expected the name of a natural material, a spectrum of its reflectance or "
                 f"one number from 0 to 1, found {bottom!r:.40}"
             )
-        albedo = Spectrum(_NM[[0, -1]], np.full(2, float(bottom)))
+        albedo = _spectrum(bottom)
     common = _from(max(nm[0], albedo.wavelength_nm[0]))
     deep, falls = np.interp(common, nm, deep), np.interp(common, nm, falls)
     return common, deep + (_at(common, albedo) - deep) * np.exp(-2 * falls * depth)

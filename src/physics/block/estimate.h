@@ -123,17 +123,34 @@ OMMA_HD bool reaches_error(const FrameView& frame, const ErrorMemory& known, int
   return true;
 }
 
+// Whether ommatidium i may by chance have seen nothing at all where there is light. A response of 0
+// has no relative error, and one that is wrong would be reached at once: it holds only once all
+// that are heard, who then have seen nothing either, have together had the most rays of one.
+OMMA_HD bool may_have_missed(const FrameView& frame, const BlockTask& task,
+                             const ErrorMemory& known, int i, double rays) {
+  if (frame.error > 0) return false;
+  for (int o = 0; o < frame.outputs; ++o)
+    if (known.sums[o * most_per_block + i] != 0) return false;
+  const int others = task.count - 1 < listened_to ? task.count - 1 : listened_to;
+  return rays * (others + 1) < frame.most_samples;
+}
+
 // The smallest round that should reach the error, or the largest that is left; -1 where none is
 // needed, or none left.
-OMMA_HD int choose_round(const FrameView& frame, const ErrorMemory& known, int i) {
+OMMA_HD int choose_round(const FrameView& frame, const BlockTask& task, const ErrorMemory& known,
+                         int i) {
+  const auto is_enough = [&](double rays, double roots) {
+    return reaches_error(frame, known, i, rays, roots) &&
+           !may_have_missed(frame, task, known, i, rays);
+  };
   const double rays = known.rays[i];
-  if (reaches_error(frame, known, i, rays, known.roots[i])) return -1;
+  if (is_enough(rays, known.roots[i])) return -1;
   int round = -1;
   for (int k = 0; k < frame.rounds; ++k) {
     const double more = frame.directions[k].samples;
     if (rays + more > frame.most_samples) break;
     round = k;
-    if (reaches_error(frame, known, i, rays + more, known.roots[i] + sqrt(more))) break;
+    if (is_enough(rays + more, known.roots[i] + sqrt(more))) break;
   }
   return round;
 }
@@ -153,7 +170,7 @@ OMMA_HD int choose_rounds(const FrameView& frame, const BlockTask& task, const E
   estimate(frame, task, known);
   int rounds = 0;
   for (int i = 0; i < task.count; ++i) {
-    known.next[i] = choose_round(frame, known, i);
+    known.next[i] = choose_round(frame, task, known, i);
     if (known.next[i] >= rounds) rounds = known.next[i] + 1;
   }
   return rounds;
