@@ -229,10 +229,21 @@ BAD = {
     "nothing": (lambda folder: folder / "none.json", r"none\.json"),
     "no COLMAP": (lambda folder: folder, "expected a folder of COLMAP, with cameras.bin and"),
     "no JSON": (text_file("a.json", "frames:"), "a.json: expected JSON, found none"),
+    "JSON of no text": (
+        lambda folder: ((folder / "a.json").write_bytes(b"\xff\xd8"), folder / "a.json")[1],
+        "a.json: expected JSON, found none: it is no text",
+    ),
+    "another file": (
+        text_file("a.ply", "ply\n"),
+        r"a\.ply: expected a folder of COLMAP, transforms\.json .* or cameras\.json of 3D Gaussian",
+    ),
     "deep JSON": (text_file("a.json", "[" * 100_000), "a.json: expected JSON, found none"),
     "long number": (text_file("a.json", "1" * 10_000), "a.json: expected JSON, found none"),
-    "another JSON": (text_file("a.json", '{"a": 1}'), r"expected transforms.json of Nerfstudio"),
-    "a list of texts": (text_file("a.json", '["a"]'), "expected transforms.json of Nerfstudio"),
+    "another JSON": (
+        text_file("a.json", '{"a": 1}'),
+        r"expected a folder of COLMAP, transforms.json of Nerfstudio",
+    ),
+    "a list of texts": (text_file("a.json", '["a"]'), "expected .*transforms.json of Nerfstudio"),
     "no cameras": (text_file("a.json", "[]"), "expected photographs with poses, found none"),
     "no frames": (
         changed_json(lambda d: d.update(frames=[])),
