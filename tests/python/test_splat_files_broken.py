@@ -193,7 +193,7 @@ def test_versions_in_the_wrong_wrapping(tmp_path):
         load_splats(saved(tmp_path, "a.spz", three))
     with pytest.raises(omma.Error, match="version 4 without gzip"):
         load_splats(saved(tmp_path, "a.spz", splat_bytes.spz(columns, 3, says=4)))
-    with pytest.raises(omma.Error, match="found b'PK"):
+    with pytest.raises(omma.Error, match=r"found one that begins with the letters PK$"):
         load_splats(saved(tmp_path, "a.spz", b"PK\3\4" * 20))
 
 

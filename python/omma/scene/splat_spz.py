@@ -9,6 +9,7 @@ filter of a picture's pixels, which rays do not have.
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from collections.abc import Callable
@@ -103,8 +104,10 @@ def _beginning(data: bytes) -> str:
         return "an empty file"
     if data[:3] == b"ply":
         return "a PLY file: name it .ply"
-    words = f"the letters {data.decode()}" if data.isalnum() else f"the bytes {data.hex(' ')}"
-    return f"one that begins with {words}"
+    letters = re.match(rb"[A-Za-z0-9]{2,}", data)
+    if letters is None:
+        return f"one that begins with the bytes {data.hex(' ')}"
+    return f"one that begins with the letters {letters[0].decode()}"
 
 
 def _head_of(path: str, data: bytes) -> _Head:
