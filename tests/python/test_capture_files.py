@@ -57,6 +57,14 @@ def test_each_file_gives_the_poses_it_was_written_from(tmp_path, kind, up):
     assert (cameras.world_from_camera[:, 1, 1] > 0).all()  # nobody stands on his head
 
 
+def test_text_of_colmap_as_it_is_written(tmp_path):
+    """With the number of images in its head, and without the line of points of the last one."""
+    path = write_colmap_text(tmp_path / "model", POSES[:2])
+    text = (path / "images.txt").read_text().rstrip("\n")
+    (path / "images.txt").write_text(f"# Number of images: 2, mean observations: 0.5\n{text}")
+    assert load_capture_cameras(path).names == ("shot 0.jpg", "shot 1.jpg")
+
+
 def test_what_is_up_by_default(tmp_path):
     """-y in COLMAP's frame and that of splats, z in Nerfstudio's."""
     for kind, file_from_world in (
@@ -199,6 +207,17 @@ def text_file(name, text):
     return write
 
 
+def without_points(data):
+    """A text file whose lines of points are left out, with names of several words or not."""
+    lines = data.decode().split("\n")
+    return "\n".join([lines[0], *lines[1::2], ""]).encode()
+
+
+def promising(name, what, count):
+    """A text file that says in its first line how many records it has."""
+    return changed_file(name, lambda data: f"# Number of {what}: {count}, of all\n".encode() + data)
+
+
 def line_of(data, number, words):
     """A text file with another line."""
     lines = data.decode().split("\n")
@@ -210,10 +229,21 @@ BAD = {
     "nothing": (lambda folder: folder / "none.json", r"none\.json"),
     "no COLMAP": (lambda folder: folder, "expected a folder of COLMAP, with cameras.bin and"),
     "no JSON": (text_file("a.json", "frames:"), "a.json: expected JSON, found none"),
+    "JSON of no text": (
+        lambda folder: ((folder / "a.json").write_bytes(b"\xff\xd8"), folder / "a.json")[1],
+        "a.json: expected JSON, found none: it is no text",
+    ),
+    "another file": (
+        text_file("a.ply", "ply\n"),
+        r"a\.ply: expected a folder of COLMAP, transforms\.json .* or cameras\.json of 3D Gaussian",
+    ),
     "deep JSON": (text_file("a.json", "[" * 100_000), "a.json: expected JSON, found none"),
     "long number": (text_file("a.json", "1" * 10_000), "a.json: expected JSON, found none"),
-    "another JSON": (text_file("a.json", '{"a": 1}'), r"expected transforms.json of Nerfstudio"),
-    "a list of texts": (text_file("a.json", '["a"]'), "expected transforms.json of Nerfstudio"),
+    "another JSON": (
+        text_file("a.json", '{"a": 1}'),
+        r"expected a folder of COLMAP, transforms.json of Nerfstudio",
+    ),
+    "a list of texts": (text_file("a.json", '["a"]'), "expected .*transforms.json of Nerfstudio"),
     "no cameras": (text_file("a.json", "[]"), "expected photographs with poses, found none"),
     "no frames": (
         changed_json(lambda d: d.update(frames=[])),
@@ -300,6 +330,32 @@ BAD = {
     "text: cut off": (
         changed_file("images.txt", lambda data: data[: data.index(b"shot 4") - 4]),
         r"images\.txt, line 10: expected IMAGE_ID, QW",
+    ),
+    "text: no lines of points": (
+        changed_file("images.txt", without_points),
+        r"images\.txt, line 3: expected the points of the photograph above, .* found '2 ",
+    ),
+    "text: names of three words": (
+        changed_file(
+            "images.txt", lambda data: without_points(data.replace(b"shot ", b"shot of "))
+        ),
+        r"images\.txt, line 3: expected the points of the photograph above, .* found '2 ",
+    ),
+    "text: cut off in points": (
+        changed_file("images.txt", lambda data: data[: data.rindex(b" 12 3")]),
+        r"images\.txt, line 15: expected the points of the photograph above",
+    ),
+    "text: fewer images": (
+        promising("images.txt", "images", 8),
+        r"images\.txt: expected 8 images, as line 1 says, found 7: the file is cut off",
+    ),
+    "text: more images": (
+        promising("images.txt", "images", 6),
+        r"images\.txt: expected 6 images, as line 1 says, found 7",
+    ),
+    "text: fewer cameras": (
+        changed_file("cameras.txt", lambda data: data.replace(b"cameras: 1", b"cameras: 2")),
+        r"cameras\.txt: expected 2 cameras, as line 2 says, found 1: the file is cut off",
     ),
     "text: camera": (
         lambda folder: write_colmap_text(folder / "a", POSES, camera_of=8),

@@ -10,6 +10,7 @@ from PIL import Image
 import omma
 from omma.job.extents import describe_extent, size_words
 from omma.job.info import describe_file, describe_scene
+from omma.job.picture_info import describe_picture
 from omma.job.places import place_words
 
 
@@ -95,6 +96,32 @@ def test_info_of_a_picture(omma_command, tmp_path):
     code, _, err = omma_command("info", str(tmp_path / "broken.png"))
     assert code != 0
     assert "broken.png" in err
+
+
+def test_info_of_a_picture_of_16_bits(tmp_path):
+    """PNG alone has them, in sRGB; Pillow writes greys of them."""
+    codes = np.zeros((8, 16), np.uint16)
+    codes[0, :3] = 1, 300, 65535
+    Image.fromarray(codes).save(tmp_path / "sixteen.png")
+    lines = dict(describe_picture(tmp_path / "sixteen.png"))
+    assert lines["values"] == "sRGB of 16 bits, 0 to 65,535 of 65,535"
+    for low in (1, 300, 2701, 40000):
+        Image.fromarray(np.full((8, 16), low, np.uint16)).save(tmp_path / "sixteen.png")
+        lines = dict(describe_picture(tmp_path / "sixteen.png"))
+        assert lines["values"] == f"sRGB of 16 bits, {low:,} to {low:,} of 65,535"
+
+
+@pytest.mark.parametrize("name", ["job.toml", "job.py", "thing", "film.mp4"])
+def test_info_of_what_is_nothing_known_says_what_is(tmp_path, name):
+    for data in (b'[render]\nscene = "a.glb"\n', b"\0\1\xff\xfe"):
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(omma.Error, match=r"expected a scene.*\.glb.*an eye.*\.png.*\.npy"):
+            describe_file(tmp_path / name)
+    # Eyes by any name are read.
+    eye = omma.eye.generate_eye(20)
+    omma.save_eye(tmp_path / "bug.eye", eye)
+    (tmp_path / "bug.eye").rename(tmp_path / name)
+    assert dict(describe_file(tmp_path / name))["ommatidia"] == "20"
 
 
 def test_places_far_from_the_origin_keep_their_centimetres(omma_command, tmp_path):

@@ -5,10 +5,12 @@ import warnings
 
 import numpy as np
 import pytest
+from picture_files import write_exr
 from PIL import Image
 
 import omma
 from omma import Acceptance, Eye
+from omma.job.picture_info import describe_picture
 from omma.rendering import CubeFaces, Equirectangular, Fisheye, PanoramaView, see_panorama
 from omma.rendering.picture_layouts import pixels_of
 
@@ -310,6 +312,42 @@ def test_pixels_that_are_no_radiance_are_refused():
     assert view.weights @ wrong.reshape(-1, 3) is not None
     wrong[wrong < 0] = np.nan
     assert np.isnan(view.see(wrong)).any()
+
+
+def test_files_whose_pixels_are_no_radiance_are_named(tmp_path):
+    """What is not known comes as an array; a background alone may be a difference of pictures."""
+    eye = omma.eye.generate_eye(20)
+    path = tmp_path / "sky.exr"
+    see = {
+        "background": lambda: omma.Background.image(path),
+        "see_panorama": lambda: see_panorama(path, eye),
+        "light": lambda: omma.light.panorama(path, ultraviolet="dark"),
+        "paint": lambda: omma.scene.plane(paint=path),
+        "info": lambda: describe_picture(path),
+    }
+    pixels = np.full((8, 16, 3), 0.5, np.float32)
+    write_exr(path, pixels)
+    for read in see.values():
+        read()
+    for value in (np.nan, np.inf):
+        pixels[3, 4, 1] = value
+        write_exr(path, pixels)
+        for read in see.values():
+            with pytest.raises(omma.Error, match=r"sky\.exr: .*not finite"):
+                read()
+    pixels[3, 4, 1] = -1
+    write_exr(path, pixels)
+    for name in ("see_panorama", "light", "paint"):
+        with pytest.raises(omma.Error, match=r"sky\.exr: .*-1 in band 1 of pixel \(3, 4\), of 1"):
+            see[name]()
+    pixels[3, 4, 1] = np.nan
+    bands = omma.light.Bands.equal(3, 400, 700)
+    for read in (
+        lambda: omma.light.panorama(pixels, ultraviolet="dark"),
+        lambda: omma.light.panorama_bands(pixels, bands=bands),
+    ):
+        with pytest.raises(omma.Error, match=r"nan in band 1 of pixel \(3, 4\), of 1"):
+            read()
 
 
 def test_floats_of_pictures_in_8_bits_are_told():

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from splat_files import ARRAYS, check, check_spz, expected, ply_of, saved
 
 import omma
+from omma.job.info import describe_file
 from omma.scene import load_splats
 from omma.scene.point_files import is_point_file
 from omma.scene.splat_files import is_splat_file, read_splats
@@ -192,7 +193,7 @@ def test_versions_in_the_wrong_wrapping(tmp_path):
         load_splats(saved(tmp_path, "a.spz", three))
     with pytest.raises(omma.Error, match="version 4 without gzip"):
         load_splats(saved(tmp_path, "a.spz", splat_bytes.spz(columns, 3, says=4)))
-    with pytest.raises(omma.Error, match="found b'PK"):
+    with pytest.raises(omma.Error, match=r"found one that begins with the letters PK$"):
         load_splats(saved(tmp_path, "a.spz", b"PK\3\4" * 20))
 
 
@@ -257,8 +258,21 @@ def test_files_that_are_none(tmp_path):
     (tmp_path / "b.spz").mkdir()
     with pytest.raises(omma.Error, match="found a directory"):
         load_splats(tmp_path / "b.spz")
+    for name in ("a.splat", "a.ksplat", "a.SOG"):
+        path = saved(tmp_path, name, b"PK\3\4")
+        for read in (load_splats, omma.load_scene, describe_file):
+            with pytest.raises(omma.Error, match=r"as \.ply or \.spz, found .*SuperSplat"):
+                read(path)
     with pytest.raises(omma.Error, match=r"\.ply or \.spz"):
-        load_splats(saved(tmp_path, "a.splat", b""))
+        load_splats(saved(tmp_path, "a.bin", b""))
+    for data, found in (
+        (b"", "an empty file"),
+        (b"ply\n", "a PLY file: name it .ply"),
+        (b"GIF8", "the letters GIF8"),
+        (b"\xff\0ab", "the bytes ff 00 61 62"),
+    ):
+        with pytest.raises(omma.Error, match=rf"c\.spz: expected .*, found .*{found}$"):
+            load_splats(saved(tmp_path, "c.spz", data))
     assert not is_splat_file(tmp_path / "a.splat")
     points = splat_bytes.ply({"vertex": {axis: ("float", np.arange(3)) for axis in "xyz"}})
     path = saved(tmp_path, "points.ply", points)

@@ -6,14 +6,15 @@ of textures.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from typing import Any, BinaryIO, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from omma._core import Image
+from omma._core import Error, Image
 from omma.base.files import PathLike
+from omma.base.gpano import expect_whole_sphere
+from omma.base.picture_blocks import BlockNames, picture_blocks
 
 # What each orientation of EXIF 2.32 (tag 274) asks for.
 TURNS = {
@@ -27,16 +28,36 @@ TURNS = {
     8: "turned by 90° to the left",
 }
 _TAG, _SHORT = 274, 3
-_EXIF = b"Exif\0\0"
+_BEGIN = b"Exif\0\0"
+_EXIF = BlockNames(_BEGIN, b"eXIf", b"EXIF")
 
 
 def load_upright(path: PathLike) -> Image:
-    """The picture of a file, turned as its EXIF says.
+    """The picture of all that is around in a file, turned as its EXIF says.
 
     Raises:
-        omma.Error: there is no such picture.
+        omma.Error: there is no such picture, a pixel is not finite, or its GPano says that it is a
+            part of the sphere or not equirectangular.
+
+    Warns:
+        UserWarning: its GPano says that the camera was turned or tilted.
     """
-    image = Image(os.fspath(path))
+    image = upright_picture(path)
+    expect_whole_sphere(path, image)
+    return image
+
+
+def upright_picture(path: PathLike) -> Image:
+    """The picture of a file, of whatever it is, turned as its EXIF says.
+
+    Raises:
+        omma.Error: there is no such picture, or a pixel is not finite.
+    """
+    try:
+        image = Image(os.fspath(path))
+    except Error as error:
+        name = os.fsdecode(path)
+        raise error if str(error).startswith(name) else Error(f"{name}: {error}") from None
     orientation = orientation_of(path)
     if orientation == 1:
         return image
@@ -48,7 +69,9 @@ def orientation_of(path: PathLike) -> int:
     none, or cannot be read, which is told where its pixels are."""
     try:
         with open(path, "rb") as file:
-            said = [_orientation_in(block.removeprefix(_EXIF)) for block in _exif_blocks(file)]
+            said = [
+                _orientation_in(block.removeprefix(_BEGIN)) for block in picture_blocks(file, _EXIF)
+            ]
     except OSError:
         return 1
     return next((one for one in said if one in TURNS), 1)
@@ -60,44 +83,6 @@ def _turned(pixels: NDArray[Any], orientation: int) -> NDArray[Any]:
     down = -1 if orientation in (3, 4, 7, 8) else 1
     right = -1 if orientation in (2, 3, 6, 7) else 1
     return pixels[::down, ::right]
-
-
-def _exif_blocks(file: BinaryIO) -> Iterator[bytes]:
-    """The blocks of EXIF of a file, as far as it is whole."""
-    begins = file.read(12)
-    if begins.startswith(b"\xff\xd8"):
-        file.seek(2)
-        yield from _of_jpeg(file)
-    elif begins.startswith(b"\x89PNG"):
-        file.seek(8)
-        yield from _of_chunks(file, b"eXIf")
-    elif begins.startswith(b"RIFF") and begins.endswith(b"WEBP"):
-        yield from _of_chunks(file, b"EXIF")
-
-
-def _of_jpeg(file: BinaryIO) -> Iterator[bytes]:
-    """Of the segments before the pixels those of EXIF."""
-    while len(head := file.read(4)) == 4 and head[0] == 0xFF and head[1] != 0xDA:
-        length = int.from_bytes(head[2:], "big") - 2
-        if length < 0:
-            return
-        block = file.read(length)
-        if head[1] == 0xE1 and block.startswith(_EXIF):
-            yield block
-
-
-def _of_chunks(file: BinaryIO, wanted: bytes) -> Iterator[bytes]:
-    """Of the chunks of a PNG or WebP file those of a kind, which name the format."""
-    is_png = wanted == b"eXIf"
-    while len(head := file.read(8)) == 8:
-        kind, size = (head[4:], head[:4]) if is_png else (head[:4], head[4:])
-        length = int.from_bytes(size, "big" if is_png else "little")
-        after = 4 if is_png else length % 2
-        if kind == wanted:
-            yield file.read(length)
-            file.seek(after, os.SEEK_CUR)
-        else:
-            file.seek(length + after, os.SEEK_CUR)
 
 
 def _orientation_in(tiff: bytes) -> int:

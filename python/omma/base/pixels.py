@@ -32,6 +32,13 @@ def check_radiance(pixels: NDArray[Any], name: str, hint: str = "") -> None:
         raise Error(f"{name}: expected radiances of at least 0, found {wrong}{hint}")
 
 
+def check_finite(pixels: NDArray[Any], name: str) -> None:
+    """omma.Error where numbers (..., height, width, bands) are not finite, with the pixel."""
+    found = _first_of(~np.isfinite(pixels), pixels)
+    if found is not None:
+        raise Error(f"{name}: expected finite radiances, found {found}")
+
+
 def check_picture(pixels: NDArray[Any], name: str) -> None:
     """omma.Error where a picture (height, width, 3 or 4) in floats is negative, with the pixel; the
     caller of the package is told of one in 8 bits."""
@@ -93,6 +100,11 @@ def _first_wrong(pixels: NDArray[Any]) -> str | None:
     """The first pixel that is negative or infinite, in words."""
     with np.errstate(invalid="ignore"):
         wrong = (pixels < 0) | np.isinf(pixels)
+    return _first_of(wrong, pixels)
+
+
+def _first_of(wrong: NDArray[np.bool_], pixels: NDArray[Any]) -> str | None:
+    """The first of the pixels that are wrong, in words: its value, row and column."""
     if not wrong.any():
         return None
     at = np.unravel_index(int(wrong.argmax()), pixels.shape)

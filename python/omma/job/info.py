@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Eye, Scene, SplatCloud
 from omma.base.directions import azimuth_elevation_deg_of
-from omma.base.files import PathLike
+from omma.base.files import PathLike, metres_per_unit
 from omma.base.progress import Progress
 from omma.eye.files import eye_file_heads, load_eye
 from omma.job.animated import animation_words
 from omma.job.capture_info import describe_capture
 from omma.job.extents import describe_scene_extent
-from omma.job.picture_info import describe_picture, is_picture_file
+from omma.job.picture_info import PICTURE_FILES, describe_picture, is_picture_file
 from omma.job.places import place_words
 from omma.job.points_info import describe_points
 from omma.job.results_info import Lines, describe_responses, is_response_file
@@ -27,7 +27,10 @@ from omma.scene.files import SCENE_FILES, read_scene
 from omma.scene.gltf_text import begins_as_gltf
 from omma.scene.mesh_files import MESH_FILES
 from omma.scene.point_files import is_point_file
-from omma.scene.splat_files import SPLAT_FILES
+from omma.scene.splat_files import SPLAT_FILES, refuse_other_splats
+
+# Of eyes; other files are tried as such too, but said to be unknown where they are none.
+_EYE_FILES = (".eye", ".csv", ".txt")
 
 
 def is_scene_file(path: PathLike) -> bool:
@@ -71,6 +74,7 @@ def describe_file(
     Raises:
         omma.Error: the file cannot be read.
     """
+    refuse_other_splats(path)
     is_points = is_point_file(os.fsdecode(path))
     if voxel_m is not None and not is_points:
         raise Error(f"voxel_m: expected none, as {os.fsdecode(path)} holds no points of a scan")
@@ -104,7 +108,26 @@ def describe_file(
         if unit is not None:
             raise Error(f"unit: expected none, as {os.fsdecode(path)} says its units")
         return table
-    return describe_eye(load_eye(path, "mm" if unit is None else unit))
+    return describe_eye(_eye_by_any_name(path, "mm" if unit is None else unit))
+
+
+def _eye_by_any_name(path: PathLike, unit: str | float) -> Eye:
+    """The eye of a file whose name tells nothing else; what it may be, where it is none."""
+    metres_per_unit(unit)
+    name = os.fsdecode(path)
+    ending = Path(name).suffix.lower()
+    try:
+        return load_eye(path, unit)
+    except Error:
+        if ending in _EYE_FILES or not os.path.isfile(name):
+            raise
+    raise Error(
+        f"{name}: expected a scene, points or splats ({', '.join(SCENE_FILES)}), an eye (.eye, "
+        f".csv), a picture ({', '.join(PICTURE_FILES)}), responses (.npy, .csv, .parquet, .nc, "
+        ".zarr), cameras of photographs (.json or a folder of COLMAP), or a track, poses or "
+        f"spectra (.csv), found {'the ending ' + ending if ending else 'no ending'} and no eye in "
+        "it"
+    )
 
 
 def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:

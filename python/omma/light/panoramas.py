@@ -13,7 +13,7 @@ from omma.base.arguments import array_of, checked, positive
 from omma.base.arrays import Floats
 from omma.base.files import PathLike
 from omma.base.orientation import load_upright
-from omma.base.pixels import check_radiance, warn_of_bytes
+from omma.base.pixels import check_finite, check_radiance, warn_of_bytes
 from omma.base.slips import warn_of_shape
 from omma.light.bands import Bands, primary_spectra
 from omma.light.lights import Light
@@ -52,7 +52,13 @@ def panorama(
         unit: "photons" m⁻² s⁻¹ sr⁻¹ nm⁻¹ or "watts" m⁻² sr⁻¹ nm⁻¹.
 
     Raises:
-        omma.Error: no such image, negative values, or ultraviolet that nobody has given.
+        omma.Error: no such image, one that its GPano says is a part of the sphere or not
+            equirectangular, values that are negative or not finite, or ultraviolet that nobody has
+            given.
+
+    Warns:
+        UserWarning: a picture of another shape, floats that look like 8 bits, or a file whose GPano
+            says that the camera was turned or tilted; `Light.turned` applies a heading.
     """
     bands = bands or Bands.equal()
     check_unit(unit)
@@ -102,8 +108,8 @@ def panorama_bands(
         )
     if picture.shape[3] != len(bands):
         raise Error(f"radiance: expected {len(bands)} bands, found {picture.shape[3]}")
-    if not np.all(np.isfinite(picture)):
-        raise Error("radiance: expected finite radiances of at least 0")
+    for of_stokes in np.moveaxis(picture, 2, 0):
+        check_finite(of_stokes, "radiance")
     check_radiance(picture[:, :, 0], "radiance")
     return Light(bands, unit, from_equirectangular(picture))
 
@@ -130,19 +136,19 @@ def _share_of_blue(ultraviolet: str | float | None, shortest_nm: float) -> float
 
 def _linear_rgb(image: PathLike | ArrayLike) -> Floats:
     """Linear RGB (height, width, 3) of a file or an array."""
+    name = "image"
     if isinstance(image, (str, os.PathLike)):
+        name = os.fsdecode(image)
         pixels = load_upright(image).pixels[:, :, :3]
     else:
-        array_of(image, "image", (None, None, None), np.float32)
+        check_finite(array_of(image, "image", (None, None, None), np.float32), "image")
         pixels = Image(image).pixels[:, :, :3]
     if pixels.dtype == np.uint8:
         share = pixels / 255
         # sRGB's own curve.
         return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     linear = pixels.astype(np.float64)
-    if not np.all(np.isfinite(linear)):
-        raise Error("image: expected finite values of at least 0")
-    check_radiance(linear, "image")
+    check_radiance(linear, name)
     if not isinstance(image, (str, os.PathLike)):
         warn_of_bytes(linear, "image")
     return linear

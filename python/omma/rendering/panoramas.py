@@ -18,7 +18,8 @@ from omma.base.arguments import array_of, checked, expect
 from omma.base.arrays import Floats
 from omma.base.directions import angle_of_chord
 from omma.base.files import PathLike
-from omma.base.orientation import load_upright
+from omma.base.gpano import expect_whole_sphere
+from omma.base.orientation import upright_picture
 from omma.base.pixels import check_radiance, warn_of_alpha, warn_of_bytes
 from omma.base.poses import as_pose
 from omma.base.slips import warn_of_shape
@@ -168,7 +169,8 @@ def see_panorama(
 
     Args:
         picture: PNG, JPEG and WebP, which are sRGB and turned as their EXIF says, Radiance HDR or
-            OpenEXR, linear; or an array as `PanoramaView.see` takes it, with any number of bands.
+            OpenEXR, linear, whose pixels are finite; or an array as `PanoramaView.see` takes
+            it, with any number of bands.
             Of files, alpha is left out; of an array of RGBA it would be a band of light.
         eye, world_from_head: as of `PanoramaView`.
         layout: None: equirectangular, as large as the picture, which is then twice as wide as high;
@@ -180,13 +182,16 @@ def see_panorama(
         1.0
 
     Raises:
-        omma.Error: no such picture, or what `PanoramaView` and its ``see`` raise.
+        omma.Error: no such picture, a panorama's file that says by its GPano that it is a part of
+            the sphere or not equirectangular, or what `PanoramaView` and its ``see`` raise.
 
     Warns:
-        UserWarning: a picture of another shape, or one that ``see`` warns of.
+        UserWarning: a picture of another shape, one that ``see`` warns of, or a panorama's file
+            that says by its GPano that the camera was turned or tilted.
     """
     if isinstance(picture, (str, os.PathLike)):
-        pixels = load_picture(picture)
+        around = layout is None or isinstance(layout, Equirectangular)
+        pixels = load_picture(picture, is_panorama=around)
     else:
         pixels = np.asarray(picture)
     if layout is None:
@@ -202,13 +207,18 @@ def see_panorama(
     return PanoramaView(eye, layout, world_from_head).see(pixels)
 
 
-def load_picture(path: PathLike) -> Responses:
+def load_picture(path: PathLike, *, is_panorama: bool) -> Responses:
     """A picture of a file as linear radiance, (height, width, 3) float32.
 
     Raises:
-        omma.Error: there is no such picture.
+        omma.Error: there is no such picture, or one whose pixels are not finite or negative; a
+            panorama that its GPano says is a part of the sphere or not equirectangular.
     """
-    colors: Responses = linear(load_upright(path).pixels)[..., :3]
+    image = upright_picture(path)
+    if is_panorama:
+        expect_whole_sphere(path, image)
+    colors: Responses = linear(image.pixels)[..., :3]
+    check_radiance(colors, os.fsdecode(path))
     return colors
 
 

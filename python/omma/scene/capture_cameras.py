@@ -32,6 +32,10 @@ from omma.scene.nerfstudio_files import (
 
 # What a transform may be off a rotation times a scale, relative to that.
 _SIMILAR = 1e-6
+_KNOWN = (
+    "a folder of COLMAP, transforms.json of Nerfstudio (an object with frames) or cameras.json of "
+    "3D Gaussian Splatting (a list of objects with position and rotation)"
+)
 # Of poses: coordinates, and lengths of their axes.
 _FARTHEST_M, _LEAST_SIZE = 1e18, 1e-15
 
@@ -242,7 +246,7 @@ def is_capture(path: PathLike) -> bool:
 
 def _read(path: str, undo_applied: bool) -> tuple[list[Shot], str]:
     """The photographs, and which axis is up unless the caller knows better."""
-    document: Any = None if os.path.isdir(path) else read_json(path)
+    document: Any = None if os.path.isdir(path) else _read_cameras(path)
     if is_transforms(document):
         return read_transforms(path, document, undo_applied), "-y" if undo_applied else "z"
     if undo_applied:
@@ -254,11 +258,17 @@ def _read(path: str, undo_applied: bool) -> tuple[list[Shot], str]:
         return read_colmap(folder), "-y"
     if os.path.isdir(path):
         raise Error(_no_colmap(path))
-    raise Error(
-        f"{path}: expected transforms.json of Nerfstudio (an object with frames) or cameras.json "
-        "of 3D Gaussian Splatting (a list of objects with position and rotation), found another "
-        "shape"
-    )
+    raise Error(f"{path}: expected {_KNOWN}, found another shape")
+
+
+def _read_cameras(path: str) -> Any:
+    """The JSON of a file; of one that is not called so, what may be read."""
+    try:
+        return read_json(path)
+    except Error:
+        if path.lower().endswith(".json") or not os.path.isfile(path):
+            raise
+    raise Error(f"{path}: expected {_KNOWN}, found a file that is no JSON")
 
 
 def _no_colmap(folder: str) -> str:

@@ -7,6 +7,7 @@ camera_from_world, with x right, y down and z forward in the camera (COLMAP's pa
 from __future__ import annotations
 
 import os
+import re
 import struct
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -53,6 +54,8 @@ _MODELS = (
 )
 _NUMBER_OF = {name: number for number, (name, *_) in enumerate(_MODELS)}
 _LONGEST_NAME = 4096
+# What COLMAP writes into the first lines of a text file.
+_COUNT = re.compile(r"#\s*Number of (cameras|images):\s*([0-9]{1,18})\b")
 
 
 class _Pose(NamedTuple):
@@ -124,11 +127,35 @@ def _field(
     return lens.half_angles_deg(kind == "fisheye", where)
 
 
+class _Promise:
+    """How many records a text file says that it has, and whether it has them."""
+
+    def __init__(self, path: str, what: str) -> None:
+        self._path, self._what = path, what
+        self._said: tuple[int, int] | None = None  # the number, its line
+        self.found = 0
+
+    def heed(self, comment: str, line_number: int) -> None:
+        said = _COUNT.match(comment.strip())
+        if said is not None and said[1] == self._what:
+            self._said = int(said[2]), line_number
+
+    def expect_all(self) -> None:
+        if self._said is not None and self._said[0] != self.found:
+            count, line_number = self._said
+            raise Error(
+                f"{self._path}: expected {count:,} {self._what}, as line {line_number} says, found "
+                f"{self.found:,}: the file is cut off, or that line is not of it"
+            )
+
+
 def _text_cameras(path: str) -> Iterator[tuple[int, tuple[float, float]]]:
+    promise = _Promise(path, "cameras")
     with open_text(path) as file:
         for line_number, line in enumerate(file, 1):
             where, words = f"{path}, line {line_number}", line.split()
             if not words or words[0].startswith("#"):
+                promise.heed(line, line_number)
                 continue
             number = _NUMBER_OF.get(words[1]) if len(words) > 3 else None
             if number is None:
@@ -143,15 +170,19 @@ def _text_cameras(path: str) -> Iterator[tuple[int, tuple[float, float]]]:
                 )
             width, height, *parameters = _floats(words[2:], where)
             found = _field(number, (width, height), tuple(parameters), where)
+            promise.found += 1
             yield _whole(words[0], where), found
+    promise.expect_all()
 
 
 def _text_images(path: str) -> Iterator[_Pose]:
+    promise = _Promise(path, "images")
     with open_text(path) as file:
         lines = enumerate(file, 1)
         for line_number, line in lines:
             where, words = f"{path}, line {line_number}", line.split(maxsplit=9)
             if not words or words[0].startswith("#"):
+                promise.heed(line, line_number)
                 continue
             if len(words) != 10:
                 raise Error(
@@ -159,8 +190,27 @@ def _text_images(path: str) -> Iterator[_Pose]:
                     f"found {line.strip()!r:.60}"
                 )
             numbers = tuple(_floats(words[1:8], where))
+            promise.found += 1
             yield _Pose(where, numbers, _whole(words[8], where), words[9].strip())
-            next(lines, None)  # the points that were found in it, maybe none
+            points_at, points = next(lines, (0, ""))  # the last line may be left out
+            if not _are_points(points):
+                raise Error(
+                    f"{path}, line {points_at}: expected the points of the photograph above, X, Y, "
+                    f"POINT3D_ID of each, or an empty line, found {points.strip()!r:.60}"
+                )
+    promise.expect_all()
+
+
+def _are_points(line: str) -> bool:
+    """Whether a line has three numbers of each point. Its first and last point are looked at: a
+    photograph's own line ends with a name."""
+    words = line.split()
+    try:
+        for one in words[:3] + words[-3:]:
+            float(one)
+    except ValueError:
+        return False
+    return len(words) % 3 == 0
 
 
 def _floats(words: list[str], where: str) -> list[float]:

@@ -22,7 +22,12 @@ from omma.scene.gltf_text import GLTF_FILES, begins_as_gltf, colors_of_trimesh
 from omma.scene.joining import place_scene, scale_of, warnings_of_file
 from omma.scene.mesh_files import MESH_FILES, load_mesh_file
 from omma.scene.point_files import POINT_FILES, is_point_file
-from omma.scene.splat_files import SPLAT_FILES, is_splat_file, load_splat_scene
+from omma.scene.splat_files import (
+    SPLAT_FILES,
+    is_splat_file,
+    load_splat_scene,
+    refuse_other_splats,
+)
 from omma.scene.surfel_scenes import load_surfels
 from omma.scene.without_light import is_of_light, remember_loaded
 
@@ -129,6 +134,7 @@ def read_scene(
             f"{name}: expected a scene, .gltf or .glb, found a file of Blender; there: File > "
             "Export > glTF 2.0, with the format glTF Binary (.glb)"
         )
+    refuse_other_splats(name)
     ending = Path(name).suffix.lower()
     if ending not in SCENE_FILES and Path(name).is_file() and not begins_as_gltf(name):
         raise Error(

@@ -42,7 +42,13 @@ def read_json(path: str) -> Any:
     try:
         return json.loads(_core.read_file(path))
     except (ValueError, RecursionError) as error:
-        raise Error(f"{path}: expected JSON, found none: {error!s:.100}") from None
+        if isinstance(error, UnicodeDecodeError):
+            why = "it is no text"
+        elif isinstance(error, json.JSONDecodeError):
+            why = f"{error.msg}, line {error.lineno}, column {error.colno}"
+        else:
+            why = f"{error!s:.100}"
+        raise Error(f"{path}: expected JSON, found none: {why}") from None
 
 
 def is_transforms(document: Any) -> bool:

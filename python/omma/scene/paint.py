@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error, Image, Instance, Material, Mesh, Scene, Texture
 from omma.base.arguments import array_of
-from omma.base.orientation import load_upright
+from omma.base.orientation import upright_picture
 from omma.base.pixels import check_picture
 
 # A linear colour (r, g, b) or (r, g, b, a), or a picture: an `Image`, an array (height, width, 3 or
@@ -92,8 +92,9 @@ def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | 
     """The linear RGBA that a paint multiplies, and the image where it is a picture."""
     white = (1.0, 1.0, 1.0, 1.0)
     if isinstance(paint, (Image, str, os.PathLike)):
-        image = paint if isinstance(paint, Image) else load_upright(paint)
-        check_picture(image.pixels, name)
+        image = paint if isinstance(paint, Image) else upright_picture(paint)
+        is_file = not isinstance(paint, Image)
+        check_picture(image.pixels, f"{name}: {os.fsdecode(paint)}" if is_file else name)
         return white, image
     given = array_of(paint, name, dtype=None)
     if given.ndim in (2, 3):

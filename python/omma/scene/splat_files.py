@@ -33,6 +33,8 @@ from omma.scene.splat_ply import ply_header_of, read_ply_splats, write_ply_rows
 from omma.scene.splat_spz import ATTRIBUTES, SpzWriter, read_spz_splats
 
 SPLAT_FILES = (".ply", ".spz")
+# Of viewers in browsers.
+_OTHER_SPLATS = (".splat", ".ksplat", ".sog")
 # Which axis points up where nobody says it: x right, y down, z ahead as in COLMAP's cameras, from
 # which 3DGS trains; .spz files are x right, y up, z back by their specification.
 _UP = {".ply": "-y", ".spz": "y"}
@@ -47,6 +49,17 @@ def is_splat_file(path: PathLike) -> bool:
     return ending == ".spz"
 
 
+def refuse_other_splats(path: PathLike) -> None:
+    """omma.Error where a file is one of splats in a form that is not read, by its ending."""
+    name = os.fsdecode(path)
+    ending = Path(name).suffix.lower()
+    if ending in _OTHER_SPLATS:
+        raise Error(
+            f"{name}: expected Gaussian splats as .ply or .spz, found {ending}, another form of "
+            "them, which is not read; convert it, as with SuperSplat or splat-transform"
+        )
+
+
 def read_splats(
     path: PathLike,
     progress: Progress | None = None,
@@ -56,6 +69,7 @@ def read_splats(
 ) -> tuple[SplatCloud, list[str]]:
     """As `load_splats`, with what there is to warn of, for those who say so themselves."""
     name = os.fsdecode(path)
+    refuse_other_splats(name)
     check_ending(name, *SPLAT_FILES)
     expect_file(name)
     ending = Path(name).suffix.lower()
