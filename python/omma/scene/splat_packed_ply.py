@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arrays import Floats
-from omma.base.ply_header import PlyElement
+from omma.base.ply_header import PlyElement, expect_end
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all
 from omma.scene.splat_columns import PIECE, REST_COUNTS, SplatColumns, sample_of
@@ -125,6 +125,7 @@ def read_packed_ply(path: str, order: str, elements: list[PlyElement], begin: in
             f"{path}: expected packed splats, chunk and vertex, found "
             f"{', '.join(one.name for one in elements)}"
         )
+    expect_end(path, order, elements, begin)
     tables: dict[str, _Table] = {}
     for one in elements:
         names = [p.name for p in one.properties]
