@@ -55,7 +55,8 @@ def read_ply_splats(path: str, progress: Progress | None) -> SplatColumns:
         is_last = not any(one.count for one in elements[len(before) + 1 :])
         blocks = _text_blocks(path, begin, vertex, wanted, skipped, is_last)
     else:
-        expect_end(path, order, elements, begin)
+        if vertex.count:
+            expect_end(path, order, elements, begin)
         begin += sum(one.count * _row_of(order, one).itemsize for one in before)
         expect_rows(path, vertex, begin, _row_of(order, vertex).itemsize)
         blocks = _binary_blocks(path, order, begin, vertex, wanted)
