@@ -31,7 +31,7 @@ def test_ply_of_every_kind(tmp_path, kind, monkeypatch):
     more.update(nz=("float", PLACES[:, 0]), scalar_Classification=("int", CLASSES))
     path = write_ply(tmp_path / "a.ply", ply_columns(**colour_columns(), **more), kind)
     monkeypatch.setattr(files_of_points, "PIECE", 77)
-    monkeypatch.setattr(files_of_points, "_TEXT_BYTES", 1000)
+    monkeypatch.setattr("omma.base.number_lines._TEXT_BYTES", 1000)
     cloud = load_points(path)
     assert cloud.positions_m == pytest.approx(PLACES, abs=1e-6)
     assert cloud.colors == pytest.approx(srgb_to_linear(COLOURS / 255), abs=1e-6)
@@ -154,7 +154,7 @@ def test_files_that_are_cut_off(tmp_path, cut):
         if kind == "ascii" and cut == 1:
             assert len(load_points(path)) == COUNT  # the last line's end
             continue
-        with pytest.raises(omma.Error, match=r"a\.ply: expected (500|3) "):
+        with pytest.raises(omma.Error, match=r"a\.ply(, line \d+)?: expected (500|3) "):
             load_points(path)
     for ending in (".las", ".laz"):
         whole = write_las(tmp_path / f"a{ending}").read_bytes()
@@ -166,13 +166,18 @@ def test_files_that_are_cut_off(tmp_path, cut):
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("a.xyz", "", "expected columns x, y and z"),
-        ("a.xyz", "1 2\n3 4\n", "expected columns x, y and z"),
-        ("a.xyz", "1 2 3\n4 five 6\n", "expected 3 numbers in each of the lines from point 0"),
-        ("a.xyz", "1 2 3\n4 5\n", "expected 3 numbers"),
+        ("a.xyz", "", "expected lines of numbers, found an empty file"),
+        ("a.xyz", "PK\3\4", "expected lines of numbers, found bytes that are no plain text"),
+        ("a.xyz", "# none\n", "found no line of several columns"),
+        ("a.xyz", "1 2\n3 4\n", "expected columns .* found line 1 of 2 columns, '1 2'"),
+        ("a.xyz", "1 2 3\n4 five 6\n", "line 2: expected 3 numbers, found '4 five 6'"),
+        ("a.xyz", "1 2 3\n4 5\n", "line 2: expected 3 numbers, found '4 5'"),
+        ("a.las", "", "expected a file that begins with LASF, found an empty file"),
         ("a.xyz", "nan nan nan\n", "expected points, found none of 1 that can be used"),
-        ("a.las", "LASF", "expected a file that begins with LASF and a header"),
-        ("a.e57", "none", "cannot be read as points"),
+        ("a.las", "LASF", "expected a header of 227 bytes, found 4"),
+        ("a.e57", "none", "begins with ASTM-E57, found a file that begins with 'none'"),
+        ("a.e57", "", "begins with ASTM-E57, found an empty file"),
+        ("a.ply", "", "expected 'ply' in the first line, found an empty file"),
         ("a.ply", "ply\nformat ascii 1.0\nelement face 0\nend_header\n", "expected vertices"),
         ("a.dat", "", "expected a name ending in"),
     ],

@@ -109,7 +109,7 @@ def test_broken_ply(tmp_path):
     for data, message in (
         (whole[:-1], "expected 6 points, found the end of the file after 5"),
         (text[: text.rindex(b"\n", 0, -1) + 1], "expected 6 points"),
-        (text[:-30], "other text or another number"),
+        (text[:-30], "line 37: expected 26 numbers"),
         (whole.replace(b"property float x", b"property list uchar float x"), "without lists"),
         (whole.replace(b"property float nx", b"property float x"), "found x twice"),
         (whole.replace(b"vertex 6", b"vertex 0"), "found none"),

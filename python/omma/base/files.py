@@ -74,13 +74,14 @@ def open_text(path: PathLike) -> io.TextIOWrapper:
 
 @contextmanager
 def reading(path: PathLike, what: str) -> Iterator[None]:
-    """Whatever the library for files of that kind raises, as omma.Error that names the file."""
+    """Whatever the library for files of that kind raises, as omma.Error that names the file, and
+    the first line of what it says."""
     try:
         yield
     except Error:
         raise
     except Exception as error:  # each library has its own, and more than it says
-        why = " ".join(str(error).split()) or type(error).__name__
+        why = " ".join(str(error).strip().partition("\n")[0].split()) or type(error).__name__
         raise Error(f"{os.fsdecode(path)}: cannot be read as {what}: {why:.300}") from None
 
 

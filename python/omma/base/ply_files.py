@@ -9,7 +9,6 @@ table.
 from __future__ import annotations
 
 import os
-import warnings
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -19,7 +18,8 @@ from omma import _core
 from omma._core import Error, Image, Material
 from omma.base.mesh_parts import MeshParts, Piece, colors_and_mode, linear
 from omma.base.mesh_pictures import opaque, read_picture
-from omma.base.ply_header import PlyElement, read_header
+from omma.base.number_lines import line_error, numbers_in, words_in_lines
+from omma.base.ply_header import PlyElement, expect_no_more, read_header
 from omma.base.polygons import triangulate
 
 _CORNERS = ("vertex_indices", "vertex_index")
@@ -40,32 +40,55 @@ def read_ply(path: str) -> MeshParts:
     """The parts of a PLY file: one piece."""
     data = _core.read_file(path)
     order, elements, picture, body = read_header(path, data, len(data))
-    tables = (_text_tables if order == "" else _binary_tables)(path, elements, data[body:], order)
+    if order == "":
+        tables = _text_tables(path, elements, data[body:], 1 + data.count(b"\n", 0, body))
+    else:
+        tables = _binary_tables(path, elements, data[body:], order)
     return _parts(path, tables, picture)
 
 
 def _text_tables(
-    path: str, elements: list[PlyElement], body: bytes, _order: str
+    path: str, elements: list[PlyElement], body: bytes, first: int
 ) -> dict[str, _Columns]:
-    with warnings.catch_warnings():
-        # What is no number ends the reading with a warning.
-        warnings.simplefilter("error")
-        try:
-            numbers = np.fromstring(body.decode("latin-1"), np.float64, sep=" ")
-        except (DeprecationWarning, ValueError) as error:
-            raise Error(f"{path}: expected numbers after its header, found other text") from error
+    """``first``: the number of the line with which the body begins."""
+    numbers, words = numbers_in(body), words_in_lines(body)
+    lines = np.flatnonzero(words)
+    if numbers is None or len(numbers) != words.sum():
+        texts = body.split(b"\n")
+        bad = next((k for k in lines.tolist() if not _are_numbers(texts[k])), 0)
+        raise line_error(path, first + bad, "numbers", texts[bad])
+    # Few files break rows into several lines, or join them.
+    is_row = len(lines) == sum(one.count for one in elements if one.properties)
     tables: dict[str, _Columns] = {}
-    at = 0
+    at = row = 0
     for one in elements:
-        columns, at = _rows_of(path, one, numbers, at)
-        tables[one.name] = columns
+        tables[one.name], starts = _rows_of(path, one, numbers, at)
+        at = int(starts[-1])
+        if is_row and one.properties:
+            here = lines[row : row + one.count]
+            row += one.count
+            wrong = np.flatnonzero(words[here] != np.diff(starts))
+            if len(wrong):
+                bad, length = int(here[wrong[0]]), int(np.diff(starts)[wrong[0]])
+                expected = f"{length} numbers of {one.name} {wrong[0]}"
+                raise line_error(path, first + bad, expected, body.split(b"\n")[bad])
+    if at < len(numbers):
+        raise Error(
+            f"{path}: expected the end of the file behind the rows of its header, found "
+            f"{len(numbers) - at:,} numbers more"
+        )
     return tables
+
+
+def _are_numbers(line: bytes) -> bool:
+    numbers = numbers_in(line)
+    return numbers is not None and len(numbers) == len(line.split())
 
 
 def _rows_of(
     path: str, element: PlyElement, numbers: NDArray[np.float64], at: int
-) -> tuple[_Columns, int]:
-    """The columns of an element from numbers one after the other, and where the next begins."""
+) -> tuple[_Columns, NDArray[np.int64]]:
+    """The columns of an element from numbers in a row; where its rows and the next begin."""
     lists = [i for i, one in enumerate(element.properties) if one.count_type]
     width = len(element.properties)
     # Where each row begins and how long its lists are; few files have lists of differing lengths.
@@ -106,7 +129,7 @@ def _rows_of(
             with np.errstate(invalid="ignore"):
                 columns[one.name] = found if one.type[0] == "f" else found.astype(one.type)
             offset = offset + 1
-    return columns, int(starts[-1])
+    return columns, starts
 
 
 def _same_lengths(element: PlyElement, numbers: NDArray[np.float64], at: int) -> list[int] | None:
@@ -146,6 +169,7 @@ def _binary_tables(
             columns = {each.name: rows[str(i)] for i, each in enumerate(one.properties)}
             at += one.count * row.itemsize
         tables[one.name] = columns
+    expect_no_more(path, body[at : at + 64], len(body) - at)
     return tables
 
 

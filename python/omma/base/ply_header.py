@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import numpy as np
+
 from omma._core import Error
+from omma.base.beginnings import beginning_of
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -15,6 +19,8 @@ _TYPES = {
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 # Of one line of a header, and of all of it.
 LONGEST_HEADER = 1 << 20
+# Bytes looked at behind the last row.
+_TAIL = 64
 
 
 class PlyProperty(NamedTuple):
@@ -36,7 +42,10 @@ def read_header(path: str, data: bytes, size: int) -> tuple[str, list[PlyElement
     ``data`` is the file's beginning, ``size`` how many bytes the whole has.
     """
     if not data.startswith(b"ply"):
-        raise Error(f"{path}: not readable as PLY: expected 'ply' in the first line")
+        raise Error(
+            f"{path}: not readable as PLY: expected 'ply' in the first line, found "
+            f"{beginning_of(data)}"
+        )
     order: str | None = None
     elements: list[PlyElement] = []
     picture, at, number = "", 0, 0
@@ -77,3 +86,23 @@ def read_header(path: str, data: bytes, size: int) -> tuple[str, list[PlyElement
     if claimed > size:
         raise Error(f"{path}: expected {claimed} rows as its header says, found {size} bytes")
     return order, elements, picture, at
+
+
+def expect_end(path: str, order: str, elements: list[PlyElement], begin: int) -> None:
+    """omma.Error where a binary file goes on behind its last row; of lists nothing is known."""
+    if any(one.count and each.count_type for one in elements for each in one.properties):
+        return
+    types = [(one.count, [("", order + each.type) for each in one.properties]) for one in elements]
+    end = begin + sum(count * np.dtype(row).itemsize for count, row in types)
+    with open(path, "rb") as file:
+        file.seek(end)
+        expect_no_more(path, file.read(_TAIL), os.path.getsize(path) - end)
+
+
+def expect_no_more(path: str, tail: bytes, size: int) -> None:
+    """omma.Error where so many bytes, which begin with ``tail``, are more than line ends."""
+    if tail[:_TAIL].strip(b" \t\r\n\0"):
+        raise Error(
+            f"{path}: expected the end of the file behind the rows of its header, found {size:,} "
+            "bytes more"
+        )

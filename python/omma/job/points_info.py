@@ -64,11 +64,15 @@ def describe_points(
     cells = None if sieve.voxel_m is None else CellMeans(sieve.voxel_m)
     found = _Found()
     largest: dict[str, float] = {}
+    least, greatest = np.inf, -np.inf  # of intensities
     for piece in file.pieces():
         columns = sieve.pass_through(piece, file.whites[-1])
         if not len(columns["positions"]):
             continue
-        for name in ("colors", "intensity", "normals"):
+        if "intensity" in columns:
+            least = min(least, float(columns["intensity"].min()))
+            greatest = max(greatest, float(columns["intensity"].max()))
+        for name in ("colors", "normals"):
             if name in columns:
                 value = np.nanmax(getattr(piece, name), initial=0)
                 largest[name] = max(largest.get(name, 0.0), float(value))
@@ -110,8 +114,9 @@ def describe_points(
         ]
         lines.append(("classes", ", ".join(named)))
     lines.append(("colours", _colours(largest.get("colors"), file.whites)))
-    if "intensity" in largest:
-        lines.append(("intensity", f"up to {largest['intensity']:g}"))
+    if least <= greatest:
+        begin = f"from {least:g} " if least < 0 else "up "
+        lines.append(("intensity", f"{begin}to {greatest:g}"))
     if "normals" in largest:
         lines.append(("normals", "of the file"))
     if file.scanners:

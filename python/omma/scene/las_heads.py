@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from omma._core import Error
+from omma.base.beginnings import beginning_of
 from omma.base.files import reading
 
 
@@ -24,22 +25,44 @@ def reading_las(path: str) -> Iterator[None]:
         raise Error(f"{path}: cannot be read as LAZ: {error!s:.300}") from None
 
 
-def check_las_head(path: str) -> None:
-    """Of records of variable length no more than the file can have, which laspy would wait for.
+def check_las_head(path: str) -> int:
+    """That a file has the points of its header, and no more records of variable length than it can
+    have, which laspy would wait for. How many more points lie behind those that the header counts.
 
-    Their numbers are at bytes 100 and, from LAS 1.4 on, 243 (ASPRS LAS 1.4 R15, table 3).
+    The numbers of these records are at bytes 100 and, from LAS 1.4 on, 243 (ASPRS LAS 1.4 R15,
+    table 3).
     """
     size = os.path.getsize(path)
     with open(path, "rb") as file:
         head = file.read(375)
     number = [int.from_bytes(head[at : at + 4], "little") for at in (100, 243)]
-    if head[:4] != b"LASF" or len(head) < 227:
-        raise Error(f"{path}: expected a file that begins with LASF and a header")
+    if head[:4] != b"LASF":
+        raise Error(f"{path}: expected a file that begins with LASF, found {beginning_of(head)}")
+    if len(head) < 227:
+        raise Error(f"{path}: expected a header of 227 bytes, found {len(head)}")
     extended = number[1] if head[25] >= 4 else 0
     if 54 * number[0] + 60 * extended > size:
         raise Error(f"{path}: expected as many records as its header says, found {size:,} bytes")
     if head[104] & 0x80:
         _check_chunk_table(path, int.from_bytes(head[96:100], "little"), size)
+        return 0
+    return _not_counted(path, head, size)
+
+
+def _not_counted(path: str, head: bytes, size: int) -> int:
+    """Points behind those that the header of a LAS file counts: whole records, up to what may
+    follow them, waveforms (LAS 1.3) and extended records (LAS 1.4)."""
+    minor = head[25]
+    begin, length = int.from_bytes(head[96:100], "little"), int.from_bytes(head[105:107], "little")
+    count = int.from_bytes(head[247:255] if minor >= 4 else head[107:111], "little")
+    if not length:
+        raise Error(f"{path}: expected a length of its points' records, found 0")
+    if begin + count * length > size:
+        there = max(size - begin, 0) // length
+        raise Error(f"{path}: expected {count:,} points, found the end of the file after {there:,}")
+    starts = [int.from_bytes(head[at : at + 8], "little") for at in (227, 235)[: max(minor - 2, 0)]]
+    left = min([one for one in starts if one], default=size) - begin - count * length
+    return left // length if left > 0 and left % length == 0 else 0
 
 
 def _check_chunk_table(path: str, begin: int, size: int) -> None:

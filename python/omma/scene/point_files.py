@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,9 +14,12 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arrays import Floats
+from omma.base.beginnings import beginning_of, is_plain_text, shown
 from omma.base.files import reading
+from omma.base.number_lines import text_tables
 from omma.base.optional import needs
-from omma.base.ply_header import LONGEST_HEADER, PlyElement, read_header
+from omma.base.ply_header import LONGEST_HEADER, PlyElement, expect_end, read_header
+from omma.scene.e57_heads import check_e57_head
 from omma.scene.las_heads import check_las_head, las_unit, reading_las
 from omma.scene.point_columns import (
     BY_NUMBER,
@@ -33,8 +35,6 @@ POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts", ".asc")
 TEXT_FILES = (".xyz", ".pts", ".asc", ".txt", ".csv")
 # Of a piece: some 100 MB while it is read.
 PIECE = 1 << 20
-_TEXT_BYTES = 1 << 25
-_BLANK = bytes.maketrans(b",;", b"  ")
 
 # Names of columns, as scanners, CloudCompare and others write them.
 _COLOURS = (
@@ -152,15 +152,20 @@ def _open_ply(path: str) -> PointFile:
     whites = {"u1": (255.0,), "u2": (65535.0,)}.get(colour, (1.0, 255.0))
     if order == "":
         skipped = sum(one.count for one in before)
+        is_last = not any(one.count for one in elements[len(before) + 1 :])
+        most, count = (None, vertex.count) if is_last else (vertex.count, None)
 
         def pieces() -> Iterator[Piece]:
             rows = 0
-            for table in text_tables(path, begin, len(types), skipped, vertex.count):
+            for table in text_tables(
+                path, begin, len(types), skipped=skipped, most=most, count=count
+            ):
                 rows += len(table)
                 yield _piece(path, dict(zip(types, table.T)))
             expect_all(path, vertex.count, rows)
 
     else:
+        expect_end(path, order, elements, begin)
         row = np.dtype([(name, order + kind) for name, kind in types.items()])
         begin += sum(
             one.count * np.dtype([("", p.type) for p in one.properties]).itemsize for one in before
@@ -187,12 +192,17 @@ def expect_all(path: str, expected: int, found: int) -> None:
 
 def _open_text(path: str) -> PointFile:
     with open(path, "rb") as file:
-        first = file.read(1 << 16).splitlines()
+        head = file.read(1 << 16)
+    if not is_plain_text(head):
+        raise Error(f"{path}: expected lines of numbers, found {beginning_of(head)}")
+    first = head.split(b"\n")
     # Decimal commas, where columns are separated by something else.
     blank = bytes.maketrans(b",;", b". " if has_decimal_commas(first) else b"  ")
     begin, names, unnamed, doubt = 0, "", "", ""
+    count: int | None = None
+    found = "no line of several columns"
     for k, line in enumerate(first):
-        # Comments, and the number of points with which .pts files begin, are passed over.
+        # Comments are passed over; .pts files, and some others, begin with the number of points.
         words = words_of(line.lstrip(b"#/ "), blank)
         if words[:1] and words[0].lower() == "ncols":
             raise Error(
@@ -213,57 +223,25 @@ def _open_text(path: str) -> PointFile:
                     doubt += (
                         "first line, as by # x y z red green blue intensity, if they are others"
                     )
+            found = f"line {k + 1} of {len(words)} columns, {shown(line)}"
             break
+        elif len(words) == 1 and line.strip().isdigit():
+            count = (count or 0) + int(line)
         begin += len(line) + 1
     columns = names.split()
     if not {"x", "y", "z"} <= set(columns):
         raise Error(
             f"{path}: expected columns x, y and z named in the first line, or "
-            f"{', '.join(map(str, BY_NUMBER))} of them ({'; '.join(BY_NUMBER.values())})"
+            f"{', '.join(map(str, BY_NUMBER))} of them ({'; '.join(BY_NUMBER.values())}), found "
+            f"{found}"
         )
 
     def pieces() -> Iterator[Piece]:
-        for table in text_tables(path, begin, len(columns), blank=blank):
+        for table in text_tables(path, begin, len(columns), count=count, blank=blank):
             yield _piece(path, dict(zip(columns, table.T)))
 
     kind = f"text, read as {unnamed}" if unnamed else "text"
     return PointFile(path, kind, None, pieces, (1.0, 255.0, 65535.0), doubt=doubt)
-
-
-def text_tables(
-    path: str,
-    begin: int,
-    columns: int,
-    skipped: int = 0,
-    most: int | None = None,
-    blank: bytes = _BLANK,
-) -> Iterator[Floats]:
-    """(n, columns) after some lines that are skipped; at most so many rows in all. `blank`: the
-    table by which separators become blanks."""
-    with open(path, "rb") as file, warnings.catch_warnings():
-        warnings.simplefilter("error")  # what is no number ends NumPy's reading with a warning
-        file.seek(begin)
-        for _ in range(skipped):
-            file.readline()
-        rows = 0
-        while most is None or rows < most:
-            lines = [line for line in file.readlines(_TEXT_BYTES) if line.strip()]
-            if not lines:
-                return
-            if most is not None:
-                lines = lines[: most - rows]
-            text = b" ".join(lines).translate(blank).decode("latin-1")
-            try:
-                numbers = np.fromstring(text, np.float64, sep=" ")
-            except (DeprecationWarning, ValueError):
-                numbers = np.empty(0)
-            if len(numbers) != columns * len(lines):
-                raise Error(
-                    f"{path}: expected {columns} numbers in each of the lines from point {rows:,} "
-                    "on, found other text or another number of them"
-                )
-            rows += len(lines)
-            yield numbers.reshape(-1, columns)
 
 
 def _piece(path: str, columns: dict[str, NDArray[Any]]) -> Piece:
@@ -291,7 +269,7 @@ def _piece(path: str, columns: dict[str, NDArray[Any]]) -> Piece:
 
 def _open_las(path: str) -> PointFile:
     laspy = needs("laspy", "points", "LAS and LAZ files need laspy")
-    check_las_head(path)
+    not_counted = check_las_head(path)
     with reading_las(path), laspy.open(path) as reader:
         header = reader.header
         dimensions = set(header.point_format.dimension_names)
@@ -301,6 +279,8 @@ def _open_las(path: str) -> PointFile:
 
     def pieces() -> Iterator[Piece]:
         made.left_out.clear()
+        if not_counted:
+            made.left_out["behind those that its header counts"] = not_counted
         rows = 0
         with reading_las(path), laspy.open(path) as reader:
             for some in reader.chunk_iterator(PIECE):
@@ -333,6 +313,7 @@ def _las_piece(some: Any, dimensions: set[str], left_out: dict[str, int]) -> Pie
 
 def _open_e57(path: str) -> PointFile:
     pye57 = needs("pye57", "e57", "E57 files need pye57")
+    check_e57_head(path)
     with pye57.E57(path) as file:
         headers = [file.get_header(i) for i in range(file.scan_count)]
         counts = [header.point_count for header in headers]

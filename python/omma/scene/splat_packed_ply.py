@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error
 from omma.base.arrays import Floats
-from omma.base.ply_header import PlyElement
+from omma.base.ply_header import PlyElement, expect_end
 from omma.base.progress import Progress
 from omma.scene.point_files import expect_all
 from omma.scene.splat_columns import PIECE, REST_COUNTS, SplatColumns, sample_of
@@ -125,6 +125,7 @@ def read_packed_ply(path: str, order: str, elements: list[PlyElement], begin: in
             f"{path}: expected packed splats, chunk and vertex, found "
             f"{', '.join(one.name for one in elements)}"
         )
+    first = begin
     tables: dict[str, _Table] = {}
     for one in elements:
         names = [p.name for p in one.properties]
@@ -149,6 +150,7 @@ def read_packed_ply(path: str, order: str, elements: list[PlyElement], begin: in
             raise Error(f"{path}: expected 9, 24 or 45 properties of sh, found {rest}")
         _expect_columns(path, named["sh"], tuple(f"f_rest_{k}" for k in range(rest)), "u1")
         _expect_count(path, named["sh"], count)
+    expect_end(path, order, elements, first)
     return PackedPly(path, tables["chunk"], tables["vertex"], tables.get("sh"))
 
 

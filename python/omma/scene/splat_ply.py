@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from omma._core import Error, SplatCloud
 from omma.base.arrays import Floats
 from omma.base.files import WholeFile
-from omma.base.ply_header import PlyElement
+from omma.base.number_lines import text_tables
+from omma.base.ply_header import PlyElement, expect_end
 from omma.base.progress import Progress
-from omma.scene.point_files import expect_all, holds_splats, ply_head, text_tables
+from omma.scene.point_files import expect_all, holds_splats, ply_head
 from omma.scene.splat_columns import PIECE, REST_COUNTS, SplatColumns, sample_of, sigmoid
 from omma.scene.splat_packed_ply import read_packed_ply
 
@@ -51,8 +52,11 @@ def read_ply_splats(path: str, progress: Progress | None) -> SplatColumns:
     wanted, terms = _wanted(path, vertex)
     if order == "":
         skipped = sum(one.count for one in before)
-        blocks = _text_blocks(path, begin, vertex, wanted, skipped)
+        is_last = not any(one.count for one in elements[len(before) + 1 :])
+        blocks = _text_blocks(path, begin, vertex, wanted, skipped, is_last)
     else:
+        if vertex.count:
+            expect_end(path, order, elements, begin)
         begin += sum(one.count * _row_of(order, one).itemsize for one in before)
         expect_rows(path, vertex, begin, _row_of(order, vertex).itemsize)
         blocks = _binary_blocks(path, order, begin, vertex, wanted)
@@ -118,13 +122,14 @@ def _wanted(path: str, vertex: PlyElement) -> tuple[list[str], int]:
 
 
 def _text_blocks(
-    path: str, begin: int, vertex: PlyElement, wanted: list[str], skipped: int
+    path: str, begin: int, vertex: PlyElement, wanted: list[str], skipped: int, is_last: bool
 ) -> Callable[[], Iterator[NDArray[Any]]]:
     names = [one.name for one in vertex.properties]
     chosen = [names.index(name) for name in wanted]
+    most, count = (None, vertex.count) if is_last else (vertex.count, None)
 
     def blocks() -> Iterator[NDArray[Any]]:
-        for table in text_tables(path, begin, len(names), skipped, vertex.count):
+        for table in text_tables(path, begin, len(names), skipped=skipped, most=most, count=count):
             yield table[:, chosen]
 
     return blocks

@@ -58,8 +58,9 @@ def surfels(
 
     Discs lie across the normals that the points have, or else across the direction in which their
     12 nearest neighbours spread least, and are as large as covers the surface between neighbours
-    without holes. Where points lack a colour their intensity is seen, over its 99th percentile, and
-    without that a grey of 0.5. Points of one position are one disc.
+    without holes. Where points lack a colour their intensity is seen, from 0, or from the least
+    where some are below 0, to its 99th percentile, and without that a grey of 0.5. Points of one
+    position are one disc.
 
     Args:
         cloud: the points, of `load_points` or made.
@@ -204,6 +205,7 @@ class _Look:
     material: Material
     labels: list[int] | None
     shown: str | None = None
+    black: float = 0.0  # of intensities
     white: float = 1.0
 
     def colors_of(self, cloud: PointCloud, rows: NDArray[np.intp]) -> Floats32 | None:
@@ -212,7 +214,8 @@ class _Look:
             return None
         values: Floats32 = getattr(cloud, self.shown)[rows]
         if values.ndim == 1:
-            values = np.repeat(np.clip(values / np.float32(self.white), 0, 1)[:, None], 3, axis=1)
+            shares = (values - np.float32(self.black)) / np.float32(self.white - self.black)
+            values = np.repeat(np.clip(shares, 0, 1)[:, None], 3, axis=1)
         return np.repeat(values, len(_CORNERS), axis=0)
 
 
@@ -251,12 +254,29 @@ def _own_colors(cloud: PointCloud, labels: list[int] | None, told: list[str]) ->
     plain = Material("points", double_sided=True)
     if cloud.colors is not None:
         return _Look(plain, labels, "colors")
-    if cloud.intensity is not None and (cloud.intensity > 0).any():
-        white = float(np.quantile(cloud.intensity[cloud.intensity > 0], _BRIGHT))
-        told.append(f"it has no colours: intensities are seen, {white:g} and above as white")
-        return _Look(plain, labels, "intensity", white)
-    told.append(f"it has no colours and no intensities: its points are grey, {_GREY}")
+    if cloud.intensity is None:
+        told.append(f"it has no colours and no intensities: its points are grey, {_GREY}")
+        return _Look(plain.replace(base_color=(_GREY, _GREY, _GREY)), labels)
+    black, white = _ends_of(cloud.intensity)
+    if black < white:
+        least = f"{black:g} as black, " if black else ""
+        told.append(f"it has no colours: intensities are seen, {least}{white:g} and above as white")
+        return _Look(plain, labels, "intensity", black, white)
+    told.append(
+        f"it has no colours, and all its intensities are {white:g}: its points are grey, {_GREY}"
+    )
     return _Look(plain.replace(base_color=(_GREY, _GREY, _GREY)), labels)
+
+
+def _ends_of(intensity: Floats32) -> tuple[float, float]:
+    """What is black and what is white: 0, or the least where some are below, and what few exceed;
+    twice the same where there is no difference to be seen."""
+    least, greatest = float(intensity.min()), float(intensity.max())
+    if least >= 0:
+        some = intensity[intensity > 0]
+        return 0.0, float(np.quantile(some, _BRIGHT)) if len(some) else 0.0
+    white = float(np.quantile(intensity, _BRIGHT))
+    return least, white if white > least else greatest
 
 
 def _corners(positions: Floats32, frames: Frames, rows: NDArray[np.intp]) -> Floats32:
