@@ -91,10 +91,12 @@ def point(value: Any, name: str) -> NDArray[np.float64]:
 def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | None]:
     """The linear RGBA that a paint multiplies, and the image where it is a picture."""
     white = (1.0, 1.0, 1.0, 1.0)
-    if isinstance(paint, (Image, str, os.PathLike)):
-        image = paint if isinstance(paint, Image) else upright_picture(paint)
-        is_file = not isinstance(paint, Image)
-        check_picture(image.pixels, f"{name}: {os.fsdecode(paint)}" if is_file else name)
+    if isinstance(paint, Image):
+        check_picture(paint.pixels, name)
+        return white, paint
+    if isinstance(paint, (str, os.PathLike)):
+        image = upright_picture(paint)
+        check_picture(image.pixels, f"{name}: {os.fsdecode(paint)}")
         return white, image
     given = array_of(paint, name, dtype=None)
     if given.ndim in (2, 3):
