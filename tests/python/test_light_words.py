@@ -184,3 +184,10 @@ def test_the_command(files, tmp_path, run_omma):
     code, _, err = run_omma(*command, "--light", "sunny")
     assert code != 0
     assert "light: expected one of clear_sky" in err
+
+
+def test_what_a_sky_needs_is_told_beside_what_was_said():
+    with pytest.raises(omma.Error, match=r"sun_elevation_deg=\.\.\., found sun=3$"):
+        parse_light("clear_sky sun=3")
+    with pytest.raises(omma.Error, match=r"clear_sky: expected sun_elevation_deg=.*found none"):
+        parse_light("clear_sky")

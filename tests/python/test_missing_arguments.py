@@ -83,3 +83,23 @@ def test_of_too_many_the_names_are_told(call, says):
     with pytest.raises(TypeError) as caught:
         call()
     assert re.search(says, str(caught.value))
+
+
+@pytest.mark.parametrize(
+    ("named", "says"),
+    [
+        ({"eye": 1, "unti": "mm"}, "'unti'; did you mean 'unit'"),
+        ({"columns_of_it": 1}, "'columns_of_it'"),
+    ],
+)
+def test_what_is_unknown_is_told_before_what_is_missing(named, says):
+    with pytest.raises(TypeError, match=f"^save_eye: got an unexpected keyword argument {says}"):
+        omma.save_eye(**named)
+
+
+def test_the_beginning_of_a_name_is_told_the_whole():
+    with pytest.raises(TypeError) as caught:
+        omma.light.clear_sky(sun=30)
+    names = ("sun_elevation_deg", "sun_azimuth_deg")
+    assert all(f"{name!r}" in str(caught.value) for name in names)
+    assert "unexpected keyword argument 'sun'" in str(caught.value)

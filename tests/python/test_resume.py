@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,13 +16,16 @@ from conftest import make_eye
 import omma
 from omma.base import processors
 from omma.base.files import WholeFiles
+from omma.job import pieces
+from omma.rendering.response_files import Piece
 
 POSES = 30
 
 
 @pytest.fixture
-def folder(files, tmp_path):
-    """scene.gltf, bug.eye and path.csv, to be changed."""
+def folder(files, tmp_path, monkeypatch):
+    """scene.gltf, bug.eye and path.csv, to be changed; pieces grow however slow the disk is."""
+    monkeypatch.setattr("omma.job.pieces._KEPT_PIECE_S", 1e9)
     for name in ("scene.gltf", "bug.eye"):
         shutil.copy(files / name, tmp_path)
     lines = [f"{0.1 * i:g},1,0,{3 * i},0,0" for i in range(POSES)]
@@ -47,11 +51,11 @@ class CutOffError(Exception):
 
 def cut_off(folder, *outputs, piece=3, **settings):
     """Renders, and ends while that piece is written; each is eight times as long as the last."""
-    pieces = []
+    written = []
 
     def progress(stage, fraction):
-        pieces.extend([stage] if stage == "Writing" else [])
-        if len(pieces) == piece:
+        written.extend([stage] if stage == "Writing" else [])
+        if len(written) == piece:
             raise CutOffError
 
     with pytest.raises(CutOffError):
@@ -239,6 +243,31 @@ def test_only_of_a_path(folder):
         render(folder, "out.npy", path=None)
     with pytest.raises(omma.Error, match="resume: expected a background as text"):
         render(folder, "out.npy", background=omma.Background.simple_sky())
+
+
+def test_pieces_are_short_where_writing_takes_long(monkeypatch):
+    """By a clock of its own: a pose takes 0.1 s to render, 2 s to write, a piece 1 s to save."""
+    now = [0.0]
+    monkeypatch.setattr(pieces, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    lengths = []
+
+    class Slow:
+        def write(self, piece):
+            lengths.append(len(piece.responses))
+            now[0] += 2 * lengths[-1]
+
+    def render(poses, first, progress):
+        now[0] += 0.1 * len(poses)
+        return Piece(first, np.zeros((len(poses), 1, 3), np.float32))
+
+    def save(done, seconds):
+        now[0] += 1
+
+    poses = np.tile(np.eye(4), (40, 1, 1))
+    seconds = pieces.render_pieces(render, [Slow()], poses, 12, lambda *_: None, save)
+    assert sum(lengths) == 40
+    assert max(lengths) == 4  # 9.4 s
+    assert seconds == pytest.approx(4)
 
 
 def test_two_at_once(folder):

@@ -131,7 +131,8 @@ def _is_taken(files: Any, path: str, marker: str, kept: WhatIsKept) -> bool:
         return False
     file = f"{path}/{marker}"
     held = files.cat_file(file) if files.exists(file) else None
-    why = why_not_replaced(held, marker, kept)
+    inside = (one.removeprefix(f"{path.rstrip('/')}/") for one in files.find(path))
+    why = why_not_replaced(held, inside, marker, kept)
     if why is not None:
         raise FileExistsError(why)
     return True

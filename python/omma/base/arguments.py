@@ -360,6 +360,18 @@ def _too_many(signature: inspect.Signature, arguments: Sequence[Any]) -> str:
     return f"expected {at_most}{count}{listed}, found {len(own) + more}{rest}"
 
 
+def _unknown(signature: inspect.Signature, named: Mapping[str, Any]) -> tuple[str, str]:
+    """The first name that a function does not know, and a hint at what was meant; "" where it knows
+    all."""
+    parameters = signature.parameters
+    if any(one.kind is Parameter.VAR_KEYWORD for one in parameters.values()):
+        return "", ""
+    unknown = next((name for name in named if name not in parameters), "")
+    longer = [name for name in parameters if unknown and name.startswith(f"{unknown}_")]
+    alike = difflib.get_close_matches(unknown, parameters, 1) or longer
+    return unknown, f"; did you mean {' or '.join(map(repr, alike))}?" if alike else ""
+
+
 def checked(function: F) -> F:
     """The same function, which says by name where an argument is to be an eye, a number, a function
     or another thing that its annotation tells, and is something else: a TypeError.
@@ -377,15 +389,13 @@ def checked(function: F) -> F:
     def edge(*arguments: Any, **named: Any) -> Any:
         try:
             given = signature.bind(*arguments, **named).arguments
-        except TypeError as error:  # which does not say of what
-            known_names = list(signature.parameters)
-            unknown = next((name for name in named if name not in known_names), "")
-            alike = difflib.get_close_matches(unknown, known_names, 1)
-            hint = f"; did you mean {alike[0]!r}?" if alike else ""
+        except TypeError as error:  # which does not say of what, and first of what is missing
+            unknown, hint = _unknown(signature, named)
             method = f"{function.__name__}_{unknown}"  # as render_stokes
             if unknown and arguments and hasattr(arguments[0], method):
                 hint = f"; did you mean the method {method}?"
-            said = _too_many(signature, arguments) or str(error)
+            said = f"got an unexpected keyword argument {unknown!r}" if unknown else str(error)
+            said = _too_many(signature, arguments) or said
             raise TypeError(f"{function.__qualname__}: {said}{hint}") from None
         for name, kinds in known().items():
             if name in given and not any(fits(given[name]) for fits, _ in kinds):

@@ -6,7 +6,7 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,11 +15,12 @@ from omma.base.locks import is_free, lock_directory, sync
 
 _TOKEN_BYTES = 6
 
-# Of a directory that is there, by what its marker holds: what it is, where it is to be kept.
-WhatIsKept = Callable[[bytes], str | None]
+# Of a directory that is there, by what its marker holds and the files in it, below it and with /
+# between: what it is, where it is to be kept.
+WhatIsKept = Callable[[bytes, Iterable[str]], str | None]
 
 
-def nothing_is_kept(marker: bytes) -> str | None:
+def nothing_is_kept(marker: bytes, files: Iterable[str]) -> str | None:
     """Any directory with the marker may be replaced."""
     return None
 
@@ -45,7 +46,7 @@ class WholeDirectory:
 
     def __init__(self, name: str, marker: str, kept: WhatIsKept = nothing_is_kept) -> None:
         """One of that name is replaced if the file ``marker`` is in it and ``kept`` says None of
-        what that holds, else omma.Error; links are followed."""
+        what that holds and of the files there, else omma.Error; links are followed."""
         self._name, self._marker, self._kept = name, marker, kept
         self._target = Path(os.path.realpath(name))
         self._is_taken()
@@ -112,7 +113,7 @@ class WholeDirectory:
             return False
         if held is None:  # asked again: another process may have named its own in between
             held = self._read_marker()
-        why = why_not_replaced(held, self._marker, self._kept)
+        why = why_not_replaced(held, _files_below(self._target), self._marker, self._kept)
         if why is not None:
             raise Error(f"{self._name}: cannot be written: {why}")
         return True
@@ -145,13 +146,23 @@ class WholeDirectory:
         return Error(f"{self._name}: cannot be written: {error.strerror}")
 
 
-def why_not_replaced(held: bytes | None, marker: str, kept: WhatIsKept) -> str | None:
-    """Why a directory is not replaced whose ``marker`` holds that, None of one without; None where
-    it may be."""
+def why_not_replaced(
+    held: bytes | None, files: Iterable[str], marker: str, kept: WhatIsKept
+) -> str | None:
+    """Why a directory with these files is not replaced whose ``marker`` holds that, None of one
+    without; None where it may be."""
     if held is None:
         return f"what has that name has no {marker} in it"
-    what = kept(held)
+    what = kept(held, files)
     return None if what is None else f"what has that name is {what}; remove it first to replace it"
+
+
+def _files_below(directory: Path) -> Iterator[str]:
+    """Files in a directory and below, links too, by their paths from there."""
+    for folder, folders, files in os.walk(directory):
+        links = [one for one in folders if os.path.islink(os.path.join(folder, one))]
+        for name in (*files, *links):
+            yield Path(folder, name).relative_to(directory).as_posix()
 
 
 def abandoned_directories(name: str) -> list[str]:

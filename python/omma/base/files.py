@@ -286,20 +286,23 @@ def left_behind(names: Sequence[str], directories: Sequence[str] = ()) -> list[s
     ]
 
 
-def make_parent(name: str) -> None:
-    """Makes the directory that a file of that name goes into; at addresses there is none."""
-    name = local_path(name)
-    if not is_address(name):
-        make_directory(Path(name).parent)
+def make_parents(names: Iterable[str]) -> tuple[str, ...]:
+    """Makes the directories that files of these names go into; those that were not there before. At
+    addresses there are none."""
+    parents = (Path(name).parent for name in map(local_path, names) if not is_address(name))
+    return tuple(str(parent) for parent in parents if make_directory(parent))
 
 
-def make_directory(directory: Path) -> None:
-    """Makes a directory and what is above it; omma.Error where that cannot be."""
+def make_directory(directory: Path) -> bool:
+    """Makes a directory and what is above it, and says whether it was not there before; omma.Error
+    where that cannot be."""
     directory = Path(expect_local(directory, "a directory"))
+    was_there = directory.is_dir()
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Error(f"{directory}: cannot be made: {error.strerror}") from None
+    return not was_there
 
 
 def _exists(name: str) -> bool:

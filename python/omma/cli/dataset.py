@@ -110,7 +110,11 @@ def _dataset() -> None:
 def run(
     job: Annotated[Path, argument("The job, a TOML file.", "JOB")],
     output: Annotated[
-        Path | None, out("Store to write; default: as the job says.", "STORE")
+        Path | None,
+        out(
+            "Store to write; default: as the job says. Its folder is made where it is missing.",
+            "STORE",
+        ),
     ] = None,
     threads: Annotated[int, option("On this machine; 0: all cores.", "N")] = 0,
     dask: Annotated[
@@ -204,7 +208,7 @@ def sample(
 @dataset_app.command("to-webdataset", help=TARS_HELP, short_help="Write views as tar files.")
 def to_webdataset(
     store: StoreArgument,
-    output: Annotated[Path, out("Folder to write.", "FOLDER")],
+    output: Annotated[Path, out("Folder to write; made where it is missing.", "FOLDER")],
     variable: Annotated[
         list[str] | None, option("Array to write; may be repeated. Default: response.", "NAME")
     ] = None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import sys
 import warnings
@@ -166,12 +167,33 @@ def _options_of(arguments: Sequence[str]) -> set[str]:
 def _usage(error: Exception, message: str) -> str:
     """What typer says, in words where several numbers are expected: it names a parser's trouble."""
     parameter: Any = getattr(error, "param", None)
+    if getattr(error, "option_name", None) is not None:  # of one that the command does not have
+        files = [f"./{word}" for word in sys.argv[1:] if word[:1] == "-" and os.path.isfile(word)]
+        return f"{message}; for the file of that name: {files[0]}" if files else message
     if _SWITCHED.search(message):
         return f"{message}; switches take no word behind them, as --standard-error and --no-browser"
-    if parameter is None or parameter.nargs < 2 or "number" not in message:
+    if parameter is None:
         return message
+    if parameter.nargs < 2 or "number" not in message:
+        number = _not_a_number(error)
+        return message if number is None else f"{_name_of(parameter)}: {number}"
     metavar = parameter.metavar or "numbers"
     return f"{parameter.opts[0]}: expected {parameter.nargs} numbers, {metavar}"
+
+
+def _not_a_number(error: Exception) -> str | None:
+    """What was expected and found, where a newer typer could not read a number; None of others."""
+    details = getattr(error.__cause__, "errors", None)  # of pydantic
+    first = next(iter(details()), {}) if callable(details) else {}
+    kinds = {"int_parsing": "a whole number", "int_from_float": "a whole number"}
+    expected = (kinds | {"float_parsing": "a number"}).get(str(first.get("type")))
+    return None if expected is None else f"expected {expected}, found {first.get('input')!r:.60}"
+
+
+def _name_of(parameter: Any) -> str:
+    """An option's name, or what help calls an argument."""
+    is_option = parameter.opts[0].startswith("-")
+    return str(parameter.opts[-1] if is_option else parameter.metavar or parameter.name)
 
 
 def _warning_line(message: Warning | str, *_: object, **__: object) -> str:

@@ -145,7 +145,7 @@ def render(
         list[str],
         out(
             "File to write: .png, or of an eye .zarr, .nc, .parquet, .npy (a .json beside "
-            "it), .csv or .mp4; may be given several times."
+            "it), .csv or .mp4; may be given several times. Its folder is made where it is missing."
         ),
     ],
     eye: Annotated[

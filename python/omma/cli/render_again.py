@@ -40,7 +40,11 @@ def render_again(
         Path, argument("What a render wrote: .zarr, .nc, .parquet, or .npy with its .json.", "FILE")
     ],
     output: Annotated[
-        list[str], out("File to write, as of omma render; may be given several times.")
+        list[str],
+        out(
+            "File to write, as of omma render; may be given several times. Its folder is made "
+            "where it is missing."
+        ),
     ],
     scene: Annotated[
         Path | None, argument("Where the scene is now. Default: where it was.", "SCENE")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from itertools import groupby
 
-from omma.cli.working import say, warn
+from omma.cli.working import note, say, warn
 from omma.job.all_cameras import AllCamerasReport
 from omma.job.reports import RenderReport
 
@@ -22,7 +22,9 @@ def say_cameras(report: AllCamerasReport) -> None:
 
 
 def say_report(report: RenderReport) -> None:
-    """Say what was rendered, after what there is to warn of."""
+    """Say what was rendered, after which folders were made for it and what there is to warn of."""
+    for folder in report.folders:
+        note(f"made the folder {folder}")
     for warning in report.warnings:
         warn(warning)
     say(*_report_lines(report))

@@ -121,6 +121,11 @@ def say(*lines: str) -> None:
         print(readable(line))
 
 
+def note(message: str) -> None:
+    """Say something on stderr beside what the command says."""
+    print(f"omma: {readable(message)}", file=sys.stderr)
+
+
 def warn(message: str) -> None:
     """Say something on stderr that is no reason to stop."""
     print(f"omma: warning: {Error(message)}", file=sys.stderr)

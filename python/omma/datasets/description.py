@@ -11,7 +11,14 @@ from omma.base.arguments import checked
 from omma.base.backend_names import backend_words
 from omma.base.files import PathLike, reading
 from omma.datasets.layout import VIEW
-from omma.datasets.records import open_store, read_manifest, read_record, shard_count, shards_done
+from omma.datasets.records import (
+    open_store,
+    read_manifest,
+    read_record,
+    shard_count,
+    shards_done,
+    views_there,
+)
 
 
 @checked
@@ -26,14 +33,13 @@ def describe(store: PathLike) -> list[str]:
     done = shards_done(path)
     shards = shard_count(manifest)
     records = [read_record(path, shard) for shard in done]
-    views = sum(one["views"][1] - one["views"][0] for one in records)
     seconds = sum(one["seconds"] for one in records)
     machines = sorted({one["machine"] for one in records})
     size = sum(file.stat().st_size for file in Path(path).rglob("*") if file.is_file())
     names = manifest["names"]
     lines = [
-        f"{path}: {views:,} of {manifest['views']:,} views are there, {len(done)} of {shards} "
-        f"shards, {size / 1e6:,.1f} MB",
+        f"{path}: {views_there(path):,} of {manifest['views']:,} views are there, {len(done)} of "
+        f"{shards} shards, {size / 1e6:,.1f} MB",
         f"scenes: {', '.join(names['scene'])}",
         f"conditions: {', '.join(names['condition'])}",
         f"sets of poses: {', '.join(names['pose_set'])}",

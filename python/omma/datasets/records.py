@@ -190,6 +190,12 @@ def shard_count(manifest: Mapping[str, Any]) -> int:
     return int(-(-manifest["views"] // manifest["views_per_shard"]))
 
 
+def views_there(store: str) -> int:
+    """How many views are there, by what the records of shards say."""
+    spans = [read_record(store, shard)["views"] for shard in shards_done(store)]
+    return sum(stop - first for first, stop in spans)
+
+
 def open_store(store: str) -> Any:
     """The Zarr group of a store, to be read."""
     zarr = load_package("zarr", store)

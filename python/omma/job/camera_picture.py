@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from omma._core import Camera, Error
-from omma.base.files import WholeFiles, check_target, left_behind, make_parent
+from omma.base.files import WholeFiles, check_target, left_behind, make_parents
 from omma.job.animated import told_at_rest
 from omma.job.begun import Begun
 from omma.job.outputs import earlier_files, remove_earlier
@@ -27,8 +27,8 @@ def render_picture(begun: Begun, camera: Camera) -> RenderReport:
     width, height = picture_size(camera, job.width, job.height)
     samples = fixed_samples(job.settings.sampling, "a picture")
     world = begun.world()
+    folders = make_parents(names)
     for name in names:
-        make_parent(name)
         check_target(name)
     built = time.perf_counter()
     picture = render_camera(
@@ -69,6 +69,7 @@ def render_picture(begun: Begun, camera: Camera) -> RenderReport:
             *removed,
             *left_behind(names),
         ),
+        folders=folders,
         picture=(width, height),
     )
 

@@ -82,6 +82,11 @@ def describe_file(
         return describe_capture(path, unit, up)
     if is_response_file(path):
         return describe_responses(path)
+    if os.path.isdir(path):
+        raise Error(
+            f"{os.fsdecode(path)}: is a directory, expected a file, or a folder of responses or a "
+            "data set (.zarr) or of a capture (COLMAP's, with cameras and images)"
+        )
     if is_picture_file(path):
         return describe_picture(path)
     if is_points:

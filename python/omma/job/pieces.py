@@ -144,7 +144,8 @@ def render_pieces(
     """Render the poses from ``first`` on into the writers; seconds spent rendering.
 
     ``save``, where there is one, is told after each piece how many poses are done and the seconds
-    they took; pieces are then as short as what may be lost, and written before the next begins.
+    they took to render; pieces are then as short as what may be lost, with their writing and
+    saving, and written before the next begins.
     """
     most = max(1, _PIECE_BYTES // pose_bytes)
     count = 1
@@ -169,6 +170,7 @@ def render_pieces(
                 tell("Writing", first / len(poses) if first < len(poses) else None)
                 _write(writers, rendered)
                 save(first, seconds)
+                took = time.perf_counter() - start
             span = _PIECE_S if save is None else _KEPT_PIECE_S
             fitting = int(span * len(piece) / max(took, wrote, 1e-9))
             count = max(1, min(most, 8 * count, fitting))

@@ -16,7 +16,7 @@ from omma import _core
 from omma._core import Error
 from omma.base.arguments import checked
 from omma.base.arrays import Floats
-from omma.base.files import PathLike, WholeFiles, left_behind, make_parent
+from omma.base.files import PathLike, WholeFiles, left_behind, make_parents
 from omma.base.progress import Stage
 from omma.base.renamed import renamed_arguments
 from omma.job.animated import times_that_move
@@ -76,8 +76,8 @@ def render_file(
             the mean rate is for, or rates are below 1 or above 240, where it is 30. Widths and
             heights of videos are even, one pixel more where they were not. Of another camera:
             `.npy`, float32 (height, width, 3) as `render_camera` gives it, and `.png`. Missing
-            directories are made. What an earlier render wrote beside an `.npy` file and this one
-            does not is removed, with a warning.
+            directories are made, which the report names. What an earlier render wrote beside an
+            `.npy` file and this one does not is removed, with a warning.
         eyes: `.eye` files, together one head. None: the camera as it is, a compound one with the
             eye that it names in its ``compound-structure``, see `camera_eye`.
         unit: of lengths in the eye files: "mm" (the default), "um", "m" or metres. For a camera's
@@ -171,8 +171,7 @@ def run_job(
     moving = times_that_move(renderer.world, times_s, warnings)
     _tell_of_rate(begun.names, times_s, warnings)
     built = time.perf_counter()
-    for name in begun.names:
-        make_parent(name)
+    folders = make_parents(begun.names)
     kept = _kept(begun, view, renderer) if job.resume else None
     spent = kept.spent if kept is not None else None
     if spent is None and isinstance(job.settings.sampling, ToError):
@@ -249,6 +248,7 @@ def run_job(
         eyes=tuple(view.files),
         outputs=tuple(written),
         warnings=tuple(warnings),
+        folders=folders,
         spent=spent,
         receptors=len(view.head.receptor_type) if job.receptors else 0,
         video=next((one.told for one in writers if isinstance(one, VideoWriter)), None),

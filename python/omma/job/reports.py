@@ -26,6 +26,7 @@ class RenderReport:
     eyes: tuple[str, ...]  # eye files, as they were found
     outputs: tuple[str, ...]  # files written
     warnings: tuple[str, ...]  # what the scene's loader passed over
+    folders: tuple[str, ...] = ()  # that were missing and made for the outputs
     picture: tuple[int, int] | None = None  # width and height of a camera's picture
     spent: SpentRays | None = None  # where rays were spent to reach an error
     receptors: int = 0  # where their responses were asked for

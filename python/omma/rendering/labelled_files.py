@@ -7,8 +7,9 @@ full size at once and filled piece by piece, so that poses need no memory.
 from __future__ import annotations
 
 import json
+import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from omma.base.files import WholeFiles
 from omma.base.optional import needs
-from omma.rendering.labels import Labels
+from omma.rendering.labels import WRITTEN, Labels
 from omma.rendering.response_files import Piece
 
 # A few MB: large enough for a disk or a network, small enough to read one pose of many.
@@ -26,6 +27,13 @@ _CHUNK_BYTES = 4 << 20
 ZARR_MARKER = "zarr.json"
 # How the attribute ``format`` of a data set's store begins.
 DATA_SET = "omma dataset"
+# What messages call it.
+A_DATA_SET = "a data set of omma dataset run"
+# An array's file: what the array is, or a chunk of it.
+_FILE_OF_ARRAY = re.compile(rf"([^/]+)/({re.escape(ZARR_MARKER)}|c([/.]\d+)*)")
+# Files that systems leave in folders that are looked at.
+_OF_SYSTEMS = (".DS_Store", "Thumbs.db", "desktop.ini")
+_NAMED = 3
 
 
 def write_coordinate(
@@ -47,16 +55,37 @@ def write_coordinate(
     )[...] = values
 
 
-def other_than_responses(marker: bytes) -> str | None:
-    """What a store with this ``zarr.json`` is, which responses do not replace; None where it holds
-    responses itself."""
+def is_data_set(attributes: Mapping[str, Any]) -> bool:
+    """Whether a store with these attributes is one of a data set, of whatever version."""
+    return str(attributes.get("format", "")).startswith(DATA_SET)
+
+
+def other_than_responses(marker: bytes, files: Iterable[str]) -> str | None:
+    """What a store with this ``zarr.json`` and these files is, which responses do not replace; None
+    where it holds responses itself, and nothing else."""
     try:
         attributes = dict(json.loads(marker)["attributes"])
     except (ValueError, TypeError, KeyError, RecursionError):
         attributes = {}
-    if str(attributes.get("format", "")).startswith(DATA_SET):
-        return "a data set of omma dataset run"
-    return None if "omma_version" in attributes else "a Zarr store of something else than responses"
+    if is_data_set(attributes):
+        return A_DATA_SET
+    if "omma_version" not in attributes:
+        return "a Zarr store of something else than responses"
+    others = sorted(set(filter(None, map(_not_of_a_render, files))))
+    if not others:
+        return None
+    more = f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
+    return f"a store that also holds what no render wrote: {', '.join(others[:_NAMED])}{more}"
+
+
+def _not_of_a_render(file: str) -> str | None:
+    """What a file in a store is, or is of, where no render wrote it."""
+    if file == ZARR_MARKER or file.rpartition("/")[2] in _OF_SYSTEMS:
+        return None
+    found = _FILE_OF_ARRAY.fullmatch(file)
+    if found is None:
+        return file
+    return None if found[1] in WRITTEN else found[1]
 
 
 class ZarrWriter:

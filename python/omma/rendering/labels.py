@@ -56,6 +56,15 @@ class Labels:
         return tuple(self.sizes[dimension] for dimension in self.variables[variable][0])
 
 
+# All that files of a render may hold, variables and coordinates.
+WRITTEN = frozenset(
+    (
+        *("response", "standard_error", "rays", "camera_distance", "camera_angle"),
+        *("time", "pose", "ommatidium", "receptor", "band", "wavelength", "eye", "type"),
+        *("azimuth", "elevation", "acceptance_angle", "peak_wavelength"),
+        *("world_from_head", "position", "quaternion", "axis", "component", "row", "column"),
+    )
+)
 # Bands of worlds without light.
 RGB = ("red", "green", "blue")
 # Of spectral radiance in a lit world.

@@ -17,7 +17,7 @@ from omma.base.files import PathLike, check_ending, open_text, reading
 from omma.base.hdf5_heaps import check_heaps
 from omma.rendering.dataset import dataset_of, load_xarray
 from omma.rendering.label_texts import beside, labels_from_text
-from omma.rendering.labelled_files import load_package
+from omma.rendering.labelled_files import A_DATA_SET, is_data_set, load_package
 from omma.rendering.labels import RGB, camera_variables
 from omma.rendering.parquet_files import METADATA, columns_of
 from omma.rendering.response_files import CAMERA_COLUMNS, TIME_COLUMN, UNIT_COLUMN
@@ -50,7 +50,7 @@ def load_responses(path: PathLike) -> xarray.Dataset:
     check_ending(name, *RESPONSE_SUFFIXES)
     suffix = Path(name).suffix.lower()
     if not os.path.exists(name):
-        raise Error(f"{name}: cannot be read: there is no such file")
+        raise Error(f"{name}: there is no such file")
     if suffix in (".zarr", ".nc"):
         return _opened(name, suffix)
     load_xarray()
@@ -83,6 +83,11 @@ def _opened(name: str, suffix: str) -> xarray.Dataset:
                 file.attrs.get("_nc3_strict")
         data = made.open_dataset(name, **how)
         if "response" not in data:
+            if is_data_set(data.attrs):
+                raise Error(
+                    f"{name}: is {A_DATA_SET}; omma dataset info tells of its eyes, and "
+                    "omma.datasets.open_views reads the views of one"
+                )
             raise Error(f"{name}: expected a variable 'response', found none")
         if data.response.ndim == 0:
             raise Error(f"{name}: response: expected dimensions, found none")

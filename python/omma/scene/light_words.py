@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
@@ -68,6 +69,7 @@ def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
             given[_BANDS] = Bands.equal(*_NAMED_BANDS.get(given[_BANDS], (given[_BANDS],)))
         elif bands is not None:
             given[_BANDS] = bands
+        _check_all_said(sky, make, given, words[1:])
         light: Light = make(**given)
         if air:
             light = skies.with_air(light, **air)
@@ -79,6 +81,24 @@ def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
     except (Error, TypeError) as error:
         raise Error(f"light: {error}") from None
     return {"light": light, **of_world}
+
+
+def _check_all_said(
+    sky: str, make: Callable[..., Light], given: Mapping[str, Any], words: Sequence[str]
+) -> None:
+    """omma.Error where an argument is missing that a sky needs; it names the words that are there,
+    as one of them may be meant to be it."""
+    parameters = inspect.signature(make).parameters
+    needed = [
+        name
+        for name, one in parameters.items()
+        if one.default is one.empty
+        and one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
+        and name not in given
+    ]
+    if needed:
+        wanted = " and ".join(f"{name}=..." for name in needed)
+        raise Error(f"{sky}: expected {wanted}, found {' '.join(words)[:60] or 'none'}")
 
 
 def full_words(text: str) -> str:
