@@ -184,7 +184,7 @@ def _usage(error: Exception, message: str) -> str:
 def _not_a_number(error: Exception) -> str | None:
     """What was expected and found, where a newer typer could not read a number; None of others."""
     details = getattr(error.__cause__, "errors", None)  # of pydantic
-    first = next(iter(details()), {}) if callable(details) else {}
+    first: dict[str, Any] = next(iter(details()), {}) if callable(details) else {}
     kinds = {"int_parsing": "a whole number", "int_from_float": "a whole number"}
     expected = (kinds | {"float_parsing": "a number"}).get(str(first.get("type")))
     return None if expected is None else f"expected {expected}, found {first.get('input')!r:.60}"
