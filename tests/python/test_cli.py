@@ -26,10 +26,11 @@ def rendered(omma_command, tmp_path):
 
 
 def test_three_outputs_of_one_render(omma_command, tmp_path):
-    outputs = [tmp_path / "new" / "folder" / f"x.{suffix}" for suffix in ("png", "npy", "csv")]
+    folder = tmp_path / "new" / "folder"
+    outputs = [folder / f"x.{suffix}" for suffix in ("png", "npy", "csv")]
     named = [part for path in outputs for part in ("-o", path)]
     code, out, err = omma_command("render", "scene.gltf", "--eye", "bug.eye", *named)
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, f"omma: made the folder {folder}\n")
     for path in outputs:
         assert f"wrote      {path}" in out
     for words in ("ommatidia  60", "960 (16 per ommatidium", "frames/s", "embree", "threads"):

@@ -7,8 +7,8 @@ import pytest
 from dataset_jobs import made_store, write_job
 
 import omma
+from omma.datasets.store_info import describe_store
 from omma.job.places import place_words
-from omma.job.results_info import describe_responses
 from omma.rendering import load_responses
 
 pytest.importorskip("zarr")
@@ -32,11 +32,11 @@ def cut_off(store, copy):
 
 
 def test_how_much_is_there_is_told(made, tmp_path):
-    lines = dict(describe_responses(made[1]))
+    lines = dict(describe_store(made[1]))
     assert lines["views"] == "10 of 10 are there"
     assert lines["more"] == f"omma dataset info {made[1]}"
     part = cut_off(made[1], tmp_path / "part.zarr")
-    lines = dict(describe_responses(part))
+    lines = dict(describe_store(part))
     assert lines["views"] == "4 of 10 are there"
     places = load_responses(part).position.values
     assert np.isnan(places[4:]).all()
@@ -48,7 +48,7 @@ def test_several_eyes_are_named(tmp_path, run_omma, monkeypatch):
     monkeypatch.chdir(tmp_path)
     job = write_job(tmp_path, more='[[eye]]\nname = "fly"\nfiles = "bug.csv"')
     omma.datasets.run(job, "two.zarr")
-    assert describe_responses("two.zarr") == [
+    assert describe_store("two.zarr") == [
         ("data set", "two.zarr"),
         ("eyes", "bug, fly"),
         ("views", "10 of 10 are there"),

@@ -13,6 +13,7 @@ from omma.cli.help import App
 from omma.cli.options import SceneUpOption, SceneVoxelOption
 from omma.cli.parameters import option, out, switch
 from omma.cli.working import check_outputs, say, working
+from omma.datasets.store_info import describe_store, is_store
 from omma.job.info import describe_devices, describe_file
 from omma.picture.capture_plots import plot_capture_cameras
 from omma.scene.building import READING
@@ -95,7 +96,10 @@ def info(
     if names and not is_capture(file):
         raise Error(f"--output: is for the cameras of a capture, found {file}")
     with working() as bar:
-        lines = describe_file(file, unit, up, bar.fraction_of(READING), voxel_m=voxel_m)
+        if is_store(file):
+            lines = describe_store(file)
+        else:
+            lines = describe_file(file, unit, up, bar.fraction_of(READING), voxel_m=voxel_m)
         if names:
             cameras = load_capture_cameras(file, unit="m" if unit is None else unit, up=up)
             plot_capture_cameras(names, cameras)

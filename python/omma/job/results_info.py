@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from omma import _core
 from omma._core import Error
 from omma.base.backend_names import backend_words
 from omma.base.files import PathLike, reading
-from omma.base.said import Said, is_object, is_text, is_texts, object_in
+from omma.base.said import Said, is_text, is_texts
 from omma.job.again import check_background, check_eyes, check_scene
 from omma.job.places import place_words
 from omma.rendering.label_texts import beside
-from omma.rendering.labelled_files import ZARR_MARKER, is_data_set
 from omma.rendering.read_back import is_response_csv, load_responses, read_npy
 from omma.rendering.settings import Sampling, Settings, options_of
 
@@ -55,37 +53,9 @@ def describe_responses(path: PathLike) -> Lines:
     alone = Path(name).suffix.lower() == ".npy" and not os.path.exists(beside(name))
     if alone and os.path.isfile(name):
         return _describe_array(name)
-    manifest = _manifest_of(name)
-    if manifest is not None and len(manifest["groups"]) > 1:
-        eyes = ", ".join(manifest["groups"])
-        return [("data set", name), ("eyes", eyes), *_describe_views(name, manifest)]
     data = load_responses(path)
     with reading(path, "responses"):
-        lines = _describe(name, data)
-    if manifest is not None:
-        views, more = _describe_views(name, manifest)
-        lines = [lines[0], views, *lines[1:], more]
-    return lines
-
-
-def _manifest_of(name: str) -> dict[str, Any] | None:
-    """The manifest of a data set of `omma dataset run`; None of other responses."""
-    marker = Path(name, ZARR_MARKER)
-    if not marker.is_file():
-        return None
-    said = object_in(_core.read_file(marker), f"{name}, {ZARR_MARKER}", "a Zarr store")
-    if not is_data_set(said.take("attributes", is_object, {})):
-        return None
-    from omma.datasets.records import read_manifest
-
-    return read_manifest(name)
-
-
-def _describe_views(name: str, manifest: dict[str, Any]) -> Lines:
-    from omma.datasets.records import views_there
-
-    there = f"{views_there(name):,} of {manifest['views']:,} are there"
-    return [("views", there), ("more", f"omma dataset info {name}")]
+        return _describe(name, data)
 
 
 def _describe(name: str, data: xarray.Dataset) -> Lines:
