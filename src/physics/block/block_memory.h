@@ -59,7 +59,7 @@ struct AimCone {
   float chord_2 = 0, solid_sr = 0;  // of its rim, as of DiscView; its solid angle
   float most = 0;                   // bound on what it adds to the response
 };
-inline constexpr int most_cones = 8;
+inline constexpr int most_cones = 10;  // as many as fit the memory of a thread of a card
 
 // Rendering to an error: what is known of the ommatidia of a block. What has a number for each
 // output is [output][most_per_block], all else [most_per_block].

@@ -123,16 +123,19 @@ OMMA_HD bool reaches_error(const FrameView& frame, const ErrorMemory& known, int
   return true;
 }
 
+// So many rays that saw nothing are believed: what they missed fills less than a thousandth.
+inline constexpr double believed_dark = 4096;
+
 // Whether ommatidium i may by chance have seen nothing at all where there is light. A response of 0
 // has no relative error, and one that is wrong would be reached at once: it holds only once all
-// that are heard, who then have seen nothing either, have together had the most rays of one.
+// that are heard, who then have seen nothing either, have together had enough rays.
 OMMA_HD bool may_have_missed(const FrameView& frame, const BlockTask& task,
                              const ErrorMemory& known, int i, double rays) {
   if (frame.error > 0) return false;
   for (int o = 0; o < frame.outputs; ++o)
     if (known.sums[o * most_per_block + i] != 0) return false;
   const int others = task.count - 1 < listened_to ? task.count - 1 : listened_to;
-  return rays * (others + 1) < frame.most_samples;
+  return rays * (others + 1) < fmin(believed_dark, frame.most_samples);
 }
 
 // The smallest round that should reach the error, or the largest that is left; -1 where none is

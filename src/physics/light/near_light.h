@@ -21,6 +21,8 @@ struct LightSample {
   std::int32_t index = 0;               // of the lamp, or the surface's instance of the scene
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
+  Vec3 normal;                          // unit, and the largest coordinate of its corners, m
+  float reach_m = 0;
   float scale = 1;                      // of a lamp's strength
 };
 
@@ -84,6 +86,11 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, const LightView& lig
   sample.distance_m = place.distance_m;
   sample.u = place.u;
   sample.v = place.v;
+  sample.normal = seen.normal * (1.0f / fmaxf(sqrtf(dot(seen.normal, seen.normal)), 1e-30f));
+  for (const Vec3& corner : seen.corner) {
+    const Vec3 at = corner + position;
+    sample.reach_m = fmaxf(fmaxf(sample.reach_m, fabsf(at.x)), fmaxf(fabsf(at.y), fabsf(at.z)));
+  }
   if (place.pdf > 0.0f && shines_towards(scene, sample.mesh, seen, place.direction))
     sample.pdf =
         place.pdf * light.emissive_probability *

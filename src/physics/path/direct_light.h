@@ -35,6 +35,26 @@ struct LightSamples {
   LightSample other[n];         // of those that are near
 };
 
+// Shadow rays from where they have left their surfaces end where they would have left that of the
+// light: either may be large beside the distance, and either would hide the light.
+template <typename L>
+OMMA_HD void end_at_lights(const HitGeometry<L>& geometry, const LightSamples<L>& lights,
+                           RayPacket<L::count>& rays) {
+  for (int l = 0; l < L::count; ++l) rays.t_far_m[l] = INFINITY;
+  lights.near.for_each([&](int l) {
+    if (!(lights.distance_m[l] < INFINITY)) return;
+    const LightSample& sample = lights.other[l];
+    const Vector3<float> direction = vector_of(sample.direction);
+    const Vector3<float> begin = vector_of(vec_at(rays.origin, l) - vec_at(geometry.position, l));
+    const Vector3<float> end = leave_surface(direction * lights.distance_m[l],
+                                             vector_of(sample.normal), sample.reach_m, -direction);
+    const Vector3<float> way = end - begin;
+    const float length = sqrtf(dot(way, way));
+    if (length > 0.0f) store_vector(rays.direction, l, without_noise(way * (1.0f / length)));
+    rays.t_far_m[l] = length * up_to_light;
+  });
+}
+
 template <typename L, typename Search>
 OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightView& light,
                                   const HitGeometry<L>& geometry, LaneMask<L> scattering,
@@ -94,7 +114,6 @@ template <typename L, typename Search>
 OMMA_HD_CALLED LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
                                              const HitGeometry<L>& geometry,
                                              const LightSamples<L>& lights, LaneMask<L> lanes) {
-  using F = typename L::F;
   if (!lanes.any()) return {};
   Packet<L> shadow;
   clear<L>(shadow.rays);
@@ -103,8 +122,7 @@ OMMA_HD_CALLED LaneMask<L> trace_shadow_rays(const Flight<L, Search>& flight,
     shadow.rays.mask[l] = flight.packet.light_sees;
     shadow.footprint_rad[l] = 0;
   }
-  for (int l = 0; l < L::count; l += L::width)
-    store(shadow.rays.t_far_m + l, load<F>(lights.distance_m + l) * up_to_light);
+  end_at_lights(geometry, lights, shadow.rays);
   if (flight.scene.has_volumes) begin_in<L>(flight.memory.shadow.media, flight.memory.media);
   if (lets_through(flight.scene))
     return trace_transmittance<L>(flight.scene, flight.search, lanes, shadow, flight.memory.shadow);
