@@ -282,7 +282,7 @@ def changed(data, **head):
         (gzip.compress(gzip.decompress(blob())[:-5]), "bytes more of its splats, found the end"),
         (
             b"splats",
-            "SPZ: expected a file of .spz, of gzip or NGSP, found one that begins with the",
+            "SPZ: expected a file of .spz, of gzip or NGSP, found a file that begins with 'spla'",
         ),
         (b"", "SPZ: expected a file of .spz"),
         (changed(blob(), count=(8, "<I", 1 << 30)), "expected 1,073,741,824 splats as its head"),

@@ -193,7 +193,7 @@ def test_versions_in_the_wrong_wrapping(tmp_path):
         load_splats(saved(tmp_path, "a.spz", three))
     with pytest.raises(omma.Error, match="version 4 without gzip"):
         load_splats(saved(tmp_path, "a.spz", splat_bytes.spz(columns, 3, says=4)))
-    with pytest.raises(omma.Error, match=r"found one that begins with the letters PK$"):
+    with pytest.raises(omma.Error, match=r"found bytes that are no plain text$"):
         load_splats(saved(tmp_path, "a.spz", b"PK\3\4" * 20))
 
 
@@ -267,9 +267,8 @@ def test_files_that_are_none(tmp_path):
         load_splats(saved(tmp_path, "a.bin", b""))
     for data, found in (
         (b"", "an empty file"),
-        (b"ply\n", "a PLY file: name it .ply"),
-        (b"GIF8", "the letters GIF8"),
-        (b"\xff\0ab", "the bytes ff 00 61 62"),
+        (b"ply\n", "a file that begins with 'ply'"),
+        (b"\xff\0ab", "bytes that are no plain text"),
     ):
         with pytest.raises(omma.Error, match=rf"c\.spz: expected .*, found .*{found}$"):
             load_splats(saved(tmp_path, "c.spz", data))

@@ -89,7 +89,11 @@ def text_tables(
                 or len(numbers) != columns * len(taken)
             ):
                 lines, found = given.split(b"\n"), text.split(b"\n")
-                bad = next(k for k in taken.tolist() if not _is_row(found[k], columns))
+                bad = next(
+                    k
+                    for k in taken.tolist()
+                    if len(found[k].split()) != columns or not are_numbers(found[k])
+                )
                 raise line_error(path, number + bad, f"{columns} numbers", lines[bad])
             number += len(words)
             rows += len(taken)
@@ -98,9 +102,10 @@ def text_tables(
         raise Error(f"{path}: expected {count:,} points, as it says itself, found {rows:,}")
 
 
-def _is_row(line: bytes, columns: int) -> bool:
+def are_numbers(line: bytes) -> bool:
+    """Whether all words of a line are numbers."""
     numbers = numbers_in(line)
-    return numbers is not None and len(numbers) == columns == len(line.split())
+    return numbers is not None and len(numbers) == len(line.split())
 
 
 def _without_counts(text: bytes, words: NDArray[np.intp]) -> tuple[bytes, int]:

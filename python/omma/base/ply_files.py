@@ -18,7 +18,7 @@ from omma import _core
 from omma._core import Error, Image, Material
 from omma.base.mesh_parts import MeshParts, Piece, colors_and_mode, linear
 from omma.base.mesh_pictures import opaque, read_picture
-from omma.base.number_lines import line_error, numbers_in, words_in_lines
+from omma.base.number_lines import are_numbers, line_error, numbers_in, words_in_lines
 from omma.base.ply_header import PlyElement, expect_no_more, read_header
 from omma.base.polygons import triangulate
 
@@ -55,7 +55,7 @@ def _text_tables(
     lines = np.flatnonzero(words)
     if numbers is None or len(numbers) != words.sum():
         texts = body.split(b"\n")
-        bad = next((k for k in lines.tolist() if not _are_numbers(texts[k])), 0)
+        bad = next((k for k in lines.tolist() if not are_numbers(texts[k])), 0)
         raise line_error(path, first + bad, "numbers", texts[bad])
     # Few files break rows into several lines, or join them.
     is_row = len(lines) == sum(one.count for one in elements if one.properties)
@@ -78,11 +78,6 @@ def _text_tables(
             f"{len(numbers) - at:,} numbers more"
         )
     return tables
-
-
-def _are_numbers(line: bytes) -> bool:
-    numbers = numbers_in(line)
-    return numbers is not None and len(numbers) == len(line.split())
 
 
 def _rows_of(

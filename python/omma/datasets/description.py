@@ -17,7 +17,7 @@ from omma.datasets.records import (
     read_record,
     shard_count,
     shards_done,
-    views_there,
+    views_of,
 )
 
 
@@ -38,7 +38,7 @@ def describe(store: PathLike) -> list[str]:
     size = sum(file.stat().st_size for file in Path(path).rglob("*") if file.is_file())
     names = manifest["names"]
     lines = [
-        f"{path}: {views_there(path):,} of {manifest['views']:,} views are there, {len(done)} of "
+        f"{path}: {views_of(records):,} of {manifest['views']:,} views are there, {len(done)} of "
         f"{shards} shards, {size / 1e6:,.1f} MB",
         f"scenes: {', '.join(names['scene'])}",
         f"conditions: {', '.join(names['condition'])}",

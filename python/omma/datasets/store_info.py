@@ -9,7 +9,7 @@ from typing import Any
 from omma import _core
 from omma.base.files import PathLike
 from omma.base.said import is_object, object_in
-from omma.datasets.records import read_manifest, views_there
+from omma.datasets.records import read_manifest, read_record, shards_done, views_of
 from omma.job.results_info import Lines, describe_responses
 from omma.rendering.labelled_files import ZARR_MARKER, is_data_set
 
@@ -41,5 +41,6 @@ def describe_store(path: PathLike) -> Lines:
 
 
 def _views(name: str, manifest: dict[str, Any]) -> Lines:
-    there = f"{views_there(name):,} of {manifest['views']:,} are there"
+    records = (read_record(name, shard) for shard in shards_done(name))
+    there = f"{views_of(records):,} of {manifest['views']:,} are there"
     return [("views", there), ("more", f"omma dataset info {name}")]

@@ -9,7 +9,6 @@ filter of a picture's pixels, which rays do not have.
 
 from __future__ import annotations
 
-import re
 import struct
 import zlib
 from collections.abc import Callable
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from omma._core import Error, SplatCloud
 from omma.base.arrays import Floats
+from omma.base.beginnings import beginning_of
 from omma.base.files import WholeFile
 from omma.base.optional import needs
 from omma.base.progress import Progress
@@ -91,23 +91,11 @@ def unpack_spz(where: str, file: BinaryIO, progress: Progress | None = None) -> 
         head, attributes, rest = _open_zstd(where, file, size)
     else:
         raise Error(
-            f"{where}: expected a file of .spz, of gzip or NGSP, found {_beginning(begins)}"
+            f"{where}: expected a file of .spz, of gzip or NGSP, found {beginning_of(begins)}"
         )
     columns = _read_columns(where, head, attributes, progress)
     _check_rest(where, head, rest)
     return columns
-
-
-def _beginning(data: bytes) -> str:
-    """How a file begins, in words."""
-    if not data:
-        return "an empty file"
-    if data[:3] == b"ply":
-        return "a PLY file: name it .ply"
-    letters = re.match(rb"[A-Za-z0-9]{2,}", data)
-    if letters is None:
-        return f"one that begins with the bytes {data.hex(' ')}"
-    return f"one that begins with the letters {letters[0].decode()}"
 
 
 def _head_of(path: str, data: bytes) -> _Head:
@@ -115,7 +103,7 @@ def _head_of(path: str, data: bytes) -> _Head:
         raise Error(f"{path}: expected a head of .spz of {_HEAD.size} bytes, found {len(data)}")
     magic, version, count, degree, bits, flags, _ = _HEAD.unpack(data[: _HEAD.size])
     if magic != _MAGIC:
-        raise Error(f"{path}: expected the letters NGSP, found {_beginning(data[:4])}")
+        raise Error(f"{path}: expected the letters NGSP, found {beginning_of(data[:4])}")
     if version not in (2, 3, 4):
         raise Error(f"{path}: expected .spz of version 2, 3 or 4, found version {version}")
     if degree >= len(REST_COUNTS):
