@@ -1,9 +1,12 @@
-// Mirror images of discs, one for each disc and each direction that smooth flat surfaces face; spheres
-// about surfaces that shine.
+// Mirror images of discs, one for each disc and each direction that smooth flat surfaces face;
+// spheres about surfaces that shine, one for each piece of a mesh that hangs together.
 #include "backend/light_aims.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <optional>
 
 #include "physics/surface/microfacet.h"
@@ -11,8 +14,11 @@
 namespace omma {
 namespace {
 
-// Each is tested for each ommatidium in each frame.
-constexpr std::size_t most_aims = 16;
+// Each is tested for each ommatidium in each frame, and has a number of 16 bits (AimsInView).
+constexpr std::size_t most_aims = 1024, most_mirror_images = 8;
+
+// A mesh of more triangles, as of ground that glows, is one piece.
+constexpr std::size_t most_divided_triangles = 100'000;
 
 // Of scenes full of small mirrors the first so many directions count; others are found by rays.
 constexpr std::size_t most_mirrors = 64;
@@ -67,6 +73,14 @@ std::optional<Vec3d> facing(const Scene& scene, const Placement& placement, cons
   return found;
 }
 
+// Of the axes of a mesh, as physics/block/aims_in_view.h takes it.
+double largest_scale(const Mat4& world_from_mesh) {
+  double largest = 0;
+  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+    largest = std::max(largest, length(transform_vector(world_from_mesh, axis)));
+  return largest;
+}
+
 double solid_of(double radius_rad) {
   return 2 * pi * (1 - std::cos(radius_rad));
 }
@@ -105,46 +119,84 @@ void add_mirror_images(const LightData& data, const Scene& scene, const Placemen
       const Vec3d image = from - mirror.facing * (2 * dot(from, mirror.facing));
       AimView aim;
       aim.centre = to_float(normalize(image));
-      aim.radius = static_cast<float>(radius_rad + mirror.spread_rad);
-      aim.is_direction = true;
-      aim.brightest = static_cast<float>(brightest * solid_of(radius_rad) /
-                                         solid_of(static_cast<double>(aim.radius)));
+      const double wide_rad = radius_rad + mirror.spread_rad;
+      aim.chord_2 = static_cast<float>(4 * std::pow(std::sin(0.5 * wide_rad), 2));
+      aim.brightest = static_cast<float>(brightest * solid_of(radius_rad) / solid_of(wide_rad));
       aims.push_back(aim);
     }
   }
 }
 
+// Vertices of each piece of a mesh that hangs together, where there are `most` at most; else of
+// all.
+std::vector<std::vector<std::uint32_t>> pieces_of(const Mesh& mesh, std::size_t most) {
+  const std::size_t vertices = mesh.positions.size();
+  std::vector<std::uint32_t> all(vertices);
+  std::iota(all.begin(), all.end(), 0u);
+  if (mesh.triangles.size() > most_divided_triangles) return {all};
+  // Union-find; what is at the same place hangs together.
+  std::vector<std::uint32_t> parent = all;
+  const auto root_of = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::map<std::array<float, 3>, std::uint32_t> first_at;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) {
+      const Vec3& p = mesh.positions[v];
+      const std::uint32_t same = first_at.try_emplace({p.x, p.y, p.z}, v).first->second;
+      parent[root_of(v)] = root_of(same);
+      parent[root_of(v)] = root_of(triangle[0]);
+    }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> of_root;
+  std::vector<char> is_used(vertices, 0);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) is_used[v] = 1;
+  for (const std::uint32_t v : all)
+    if (is_used[v]) of_root[root_of(v)].push_back(v);
+  if (of_root.size() > most) return {all};
+  std::vector<std::vector<std::uint32_t>> pieces;
+  for (auto& [root, of] : of_root) pieces.push_back(std::move(of));
+  return pieces;
+}
+
 void add_shining(const LightData& data, const Scene& scene, const Placement& placement,
                  const SceneView& view, std::vector<AimView>& aims) {
+  std::map<std::int32_t, std::vector<std::vector<std::uint32_t>>> pieces_of_mesh;
   for (const EmissiveView& emissive : data.emissive) {
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(emissive.mesh)];
+    const auto [known, is_new] = pieces_of_mesh.try_emplace(emissive.mesh);
+    if (is_new)
+      known->second = pieces_of(scene.meshes[static_cast<std::size_t>(emissive.mesh)], most_aims);
     const Mat4& world_from_mesh =
         placement.world_from_mesh[static_cast<std::size_t>(emissive.instance)];
-    const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
-    const auto place = [&](std::uint32_t vertex) {
-      return place_of(view.meshes[emissive.mesh], world_from_mesh, vertex);
-    };
-    Vec3d middle{};
-    for (std::uint32_t v = 0; v < vertices; ++v) middle = middle + place(v) * (1.0 / vertices);
-    double radius_m = 0;
-    for (std::uint32_t v = 0; v < vertices; ++v)
-      radius_m = std::max(radius_m, length(place(v) - middle));
+    const double scale = largest_scale(world_from_mesh);
     const std::int32_t material = view.meshes[emissive.mesh].material;
     const Vec3 factor = view.materials[material].emissive;
     const float* matrix = view.scatter[material].emission;
-    AimView aim;
-    aim.centre = to_float(middle - placement.origin_m);
-    aim.radius = static_cast<float>(radius_m);
+    float brightest = 0;
     for (std::int32_t b = 0; b < data.view.bands; ++b)
-      aim.brightest = std::max(aim.brightest, matrix[3 * b] * factor.x + matrix[3 * b + 1] * factor.y +
-                                                  matrix[3 * b + 2] * factor.z);
-    aims.push_back(aim);
+      brightest = std::max(brightest, matrix[3 * b] * factor.x + matrix[3 * b + 1] * factor.y +
+                                          matrix[3 * b + 2] * factor.z);
+    for (const std::vector<std::uint32_t>& piece : known->second) {
+      const float* positions = view.meshes[emissive.mesh].positions;
+      Vec3d middle{};
+      for (const std::uint32_t v : piece) {
+        const float* p = positions + 3 * static_cast<std::size_t>(v);
+        middle = middle + Vec3d{p[0], p[1], p[2]} * (1.0 / static_cast<double>(piece.size()));
+      }
+      const Vec3d centre = transform_point(world_from_mesh, middle);
+      double radius_m = 0;
+      for (const std::uint32_t v : piece)
+        radius_m = std::max(
+            radius_m, length(place_of(view.meshes[emissive.mesh], world_from_mesh, v) - centre));
+      AimView aim;
+      aim.centre = to_float(middle);
+      aim.radius_m = static_cast<float>(radius_m / scale);
+      aim.instance = emissive.instance;
+      aim.brightest = brightest;
+      aims.push_back(aim);
+    }
   }
-}
-
-// How bright and how large, beside others of its kind.
-float weight_of(const AimView& aim) {
-  return aim.brightest * aim.radius * aim.radius;
 }
 
 }  // namespace
@@ -153,12 +205,20 @@ std::vector<AimView> make_aims(const LightData& data, const Scene& scene, const 
                                const SceneView& view) {
   std::vector<AimView> aims;
   add_mirror_images(data, scene, placement, view, aims);
-  const auto first_shining = static_cast<std::ptrdiff_t>(std::min(aims.size(), most_aims / 2));
-  const auto brighter = [](const AimView& a, const AimView& b) { return weight_of(a) > weight_of(b); };
-  std::stable_sort(aims.begin(), aims.end(), brighter);
-  aims.resize(static_cast<std::size_t>(first_shining));
+  std::stable_sort(aims.begin(), aims.end(), [](const AimView& a, const AimView& b) {
+    return a.brightest * a.chord_2 > b.brightest * b.chord_2;
+  });
+  if (aims.size() > most_mirror_images) aims.resize(most_mirror_images);
+  const auto first_shining = static_cast<std::ptrdiff_t>(aims.size());
   add_shining(data, scene, placement, view, aims);
-  std::stable_sort(aims.begin() + first_shining, aims.end(), brighter);
+  const auto power = [&](const AimView& aim) {
+    const double radius_m =
+        static_cast<double>(aim.radius_m) *
+        largest_scale(placement.world_from_mesh[static_cast<std::size_t>(aim.instance)]);
+    return static_cast<double>(aim.brightest) * radius_m * radius_m;
+  };
+  std::stable_sort(aims.begin() + first_shining, aims.end(),
+                   [&](const AimView& a, const AimView& b) { return power(a) > power(b); });
   if (aims.size() > most_aims) aims.resize(most_aims);
   return aims;
 }

@@ -116,19 +116,22 @@ def test_a_small_surface_that_shines(backend: str, off_deg: float) -> None:
     assert abs(error.mean()) < 0.003 + 3 * np.std(error) / np.sqrt(len(error))
 
 
-def test_what_moves_away_is_still_seen_right() -> None:
-    """Cones stay where things were; what is in them and what is not are both followed."""
-    scene = omma.Scene(meshes=[square(0.02, (0, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)])
+def test_rays_follow_what_moves() -> None:
+    """Also where it is larger than it was."""
+    scene = omma.Scene(meshes=[square(0.01, (0, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)])
     moved = omma.World(scene, light=DARK, lighting="path")
-    there = np.eye(4)
+    there = np.diag([2.0, 2.0, 1.0, 1.0])
     there[0, 3] = 0.06
     moved.set_transforms([0], there[None])
     built = omma.Scene(
         meshes=[square(0.02, (0.06, 0, -1), (0, 0, 1))], materials=[shining(RADIANCE)]
     )
     eye = eye_of(off_axis(1.5, 0.0), 4.0, 64)
-    found = omma.Renderer(moved, eye, omma.Fixed(1024)).render(np.eye(4)).astype(float)
+    found = omma.Renderer(moved, eye, omma.Fixed(16)).render(np.eye(4)).astype(float)
     exact = omma.Renderer(
         omma.World(built, light=DARK, lighting="path"), eye, omma.Fixed(1024)
     ).render(np.eye(4))
-    assert found.mean() == pytest.approx(exact.astype(float).mean(), rel=0.02)
+    error = found.ravel() / exact.astype(float).mean() - 1
+    # 256 points on a square of 2 / pi of its cone.
+    assert np.std(error) < 0.02
+    assert abs(error.mean()) < 0.005

@@ -180,6 +180,6 @@ def test_nothing_is_left_of_steps(walker):
         if step % 1000 == 999:
             gc.collect()
             sizes.append(resident_bytes())
-    # An observation that stayed behind at each step would be 1,000 bytes, 4 MB in the last 4,000;
-    # allocators take some hundred kB more or less.
-    assert sizes[-1] - sizes[0] < 2e6
+    # An observation that stayed behind at each step would be 1,000 bytes: 1 MB in each thousand.
+    # What allocators and other threads take comes at once, and then not for a while.
+    assert np.diff(sizes).min() < 5e5

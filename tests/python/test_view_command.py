@@ -30,7 +30,9 @@ def test_the_command_says_where_and_ends_with_ctrl_c(ground):
             program.send_signal(2)
         out, err = program.communicate(timeout=60)
     assert status == 200
-    assert (program.returncode, err) == (0, "")
+    assert program.returncode == 0
+    # A slow machine may say that it prepares the page; of ending there is nothing to say.
+    assert all(line.startswith("omma: Preparing the page: ") for line in err.splitlines())
     assert "viser" not in out
 
 

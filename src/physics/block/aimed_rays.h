@@ -1,6 +1,5 @@
-// Rays that ommatidia aim at what is small and bright besides the discs of the sky: the sun's
-// mirror image in smooth water, surfaces that shine (LightView::aims). Their own rays, by their
-// acceptance, would find it by chance.
+// Rays that ommatidia aim at what is small and bright in their view (aims_in_view.h). Their own
+// rays, by their acceptance, would find it by chance.
 //
 // The integral over directions is divided: within a cone about each such thing, where it is much
 // smaller than the acceptance, the ommatidium sends rays evenly over the cone, each weighed by the
@@ -12,97 +11,13 @@
 // right whatever stands there, also where a thing has moved away from its cone.
 #pragma once
 
+#include "physics/block/aims_in_view.h"
 #include "physics/block/eye_discs.h"
 #include "physics/block/outputs.h"
 #include "physics/path/lit_path.h"
 #include "physics/sampling/mean_of_estimates.h"
 
 namespace omma {
-
-// Whether ommatidia of a frame aim rays: where they are lit and not shared.
-OMMA_HD bool has_aims(const FrameView& frame) {
-  return frame.scene->light != nullptr && frame.scene->light->aim_count > 0 &&
-         frame.directions->warps != nullptr && frame.acceptance_sr < 0;
-}
-
-OMMA_HD bool is_in_cone(const AimCone& cone, Vec3 direction) {
-  return chord_2(vector_of(direction), cone.direction) <= cone.chord_2;
-}
-
-// The cone about a thing as it is seen from a place; its solid angle is 0 where it is all around.
-OMMA_HD AimCone cone_of(const AimView& aim, Vec3 from) {
-  AimCone cone;
-  double cosine;
-  if (aim.is_direction) {
-    cone.direction = aim.centre;
-    cosine = cos(static_cast<double>(aim.radius));
-  } else {
-    const Vec3 way = aim.centre - from;
-    const double distance_2 = static_cast<double>(dot(way, way));
-    const double sine_2 =
-        static_cast<double>(aim.radius) * static_cast<double>(aim.radius) / distance_2;
-    if (!(sine_2 < 0.25)) return {};
-    cone.direction = way * static_cast<float>(1 / sqrt(distance_2));
-    cosine = sqrt(1 - sine_2);
-  }
-  // At least as wide as single precision tells directions apart.
-  cone.chord_2 = static_cast<float>(fmax(2 * (1 - cosine), 1e-11));
-  cone.solid_sr = static_cast<float>(pi) * cone.chord_2;
-  return cone;
-}
-
-// What a cone is to functions that ask about discs.
-OMMA_HD DiscView disc_of(const AimCone& cone) {
-  DiscView disc;
-  disc.direction = cone.direction;
-  disc.chord_2 = cone.chord_2;
-  disc.density = 1.0f / cone.solid_sr;
-  return disc;
-}
-
-// The cones that replicates aim at, into `memory`; false where none does. They are the same for all
-// scrambles of an ommatidium: what its rays leave out is what it aims at.
-template <typename L>
-OMMA_HD_CALLED bool find_cones(const FrameView& frame, const BlockTask& task,
-                               const Replicates<L>& replicates, int count,
-                               const BlockMemory& memory) {
-  const LightView& light = *frame.scene->light;
-  bool any = false;
-  for (int u = 0; u < count; ++u) {
-    std::int32_t& found = memory.cone_count[u];
-    found = 0;
-    const Replicate replicate = replicate_at(replicates, u);
-    const Vec3 from = vec_of(replicate.origin);
-    for (int i = 0; i < light.aim_count && found < most_cones; ++i) {
-      AimCone cone = cone_of(light.aims[i], from);
-      // A cone that fills an acceptance is found by its rays.
-      if (!(cone.solid_sr > 0) || cone.solid_sr > 0.5f * replicate.acceptance_sr) continue;
-      const DiscView disc = disc_of(cone);
-      const DiscTask of{&frame, &task,      frame.directions->warps + replicate.warp,
-                        &disc,  &replicate, 0x51ed270bu};
-      cone.most = static_cast<float>(static_cast<double>(light.aims[i].brightest * cone.solid_sr) *
-                                     most_unit_pdf(of));
-      if (!(cone.most >= static_cast<float>(least_aimed_light))) continue;
-      memory.cones[u * most_cones + found++] = cone;
-      any = true;
-    }
-  }
-  return any;
-}
-
-// Of a packet's rays those in a cone of their replicate.
-template <typename L>
-OMMA_HD LaneMask<L> rays_in_cones(const Packet<L>& packet, const PacketStart& start, int samples,
-                                  const BlockMemory& memory) {
-  LaneMask<L> inside;
-  for (int l = 0; l < start.filled; ++l) {
-    const int u = start.replicate + (start.sample + l) / samples;
-    for (int k = 0; k < memory.cone_count[u]; ++k)
-      if (is_in_cone(memory.cones[u * most_cones + k], vec_at(packet.rays.direction, l)))
-        inside.add(l);
-  }
-  return inside;
-}
 
 // Takes away the radiance [row][lane] of some lanes.
 template <typename L>
@@ -112,10 +27,11 @@ OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
   });
 }
 
-// Rays of replicate `u` all over its cone number `k`, `each` for each batch: sums of what they
-// bring, weighed, in memory.aimed [batch][output].
+// Rays all over the cone about thing number `k` of those in view, `each` for each batch: sums of
+// what they bring, weighed, in memory.aimed [batch][output].
 struct ConeRays {
-  int u, k, each;
+  const AimsInView* seen;
+  int k, each;
 };
 
 OMMA_HD Vec3 cone_direction(const DiscTask& of, std::uint32_t ray) {
@@ -135,27 +51,38 @@ OMMA_HD_CALLED void add_aimed_moments(const DiscTask& of, int ray, float weight,
           static_cast<double>(weight * brought[o * L::count]) * moments.factor[m];
 }
 
-// Those from number `begin` on, in a packet; `weight` [lane]: the density of the replicate's own
-// rays there. Returns the lanes that count.
+// Leaves out directions that are in the cone of a thing before this one.
 template <typename L>
-OMMA_HD_CALLED LaneMask<L> write_cone_rays(const DiscTask& of, const ConeRays& cone, int begin,
-                                           const BlockMemory& memory, Packet<L>& packet,
-                                           float (&weight)[L::count]) {
+OMMA_HD void leave_out_earlier(const DiscTask& of, const ConeRays& rays,
+                               const Vec3 (&direction)[L::count], float (&weight)[L::count]) {
+  const SceneView& scene = *of.frame->scene;
+  const Vec3 from = vec_of(of.replicate->origin);
+  for (int j = 0; j < rays.k; ++j) {
+    const DiscView earlier = cone_of(scene, scene.light->aims[rays.seen->aim[j]], from);
+    const float apart = sqrtf(of.disc->chord_2) + sqrtf(earlier.chord_2);
+    if (chord_2(vector_of(earlier.direction), of.disc->direction) > 1.01f * apart * apart) continue;
+    for (int l = 0; l < L::count; ++l)
+      if (is_in_cone(earlier, direction[l])) weight[l] = 0;
+  }
+}
+
+// Those from number `begin` on, in a packet; `weight` [lane]: the density of the replicate's own
+// rays there, 0 where they do not count.
+template <typename L>
+OMMA_HD_CALLED void write_cone_rays(const DiscTask& of, const ConeRays& rays, int begin,
+                                    Packet<L>& packet, float (&weight)[L::count]) {
   const Replicate& replicate = *of.replicate;
-  const int rays = disc_batches * cone.each;
-  LaneMask<L> counting;
+  const int count = disc_batches * rays.each;
+  Vec3 direction[L::count];
   for (int l = 0; l < L::count; ++l) {
-    const int ray = begin + l < rays ? begin + l : rays - 1;
+    const int ray = begin + l < count ? begin + l : count - 1;
     const auto sample = static_cast<std::uint32_t>(ray);
     const DiscPoints<float> lens = even_disc_points(path_pair(of.hash, sample, 1u));
-    const Vec3 direction = cone_direction(of, sample);
+    direction[l] = cone_direction(of, sample);
     float turn[3][4];
     disc_turn(of, of.hash, ray, turn);
-    weight[l] = begin + l < rays ? static_cast<float>(unit_pdf(of, direction, turn)) : 0.0f;
-    for (int j = 0; j < cone.k; ++j)
-      if (is_in_cone(memory.cones[cone.u * most_cones + j], direction)) weight[l] = 0;
-    if (weight[l] > 0) counting.add(l);
-    const Vector3<float> towards = vector_of(direction);
+    weight[l] = begin + l < count ? static_cast<float>(unit_pdf(of, direction[l], turn)) : 0.0f;
+    const Vector3<float> towards = vector_of(direction[l]);
     Vector3<float> from = replicate.origin + (replicate.s * lens.x + replicate.t * lens.y) *
                                                  replicate.aperture_radius_m;
     if (of.task->motion != nullptr) from = move_point(*of.task->motion, turn, from);
@@ -173,16 +100,16 @@ OMMA_HD_CALLED LaneMask<L> write_cone_rays(const DiscTask& of, const ConeRays& c
     packet.sample[l] = ray;
     packet.acceptance_sr[l] = replicate.acceptance_sr;
   }
-  return counting;
+  leave_out_earlier<L>(of, rays, direction, weight);
 }
 
 // Errors of cells that they meet do not count: there are few of them.
 template <typename L, typename Search>
-OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search& search,
+OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& rays, Search& search,
                                const BlockMemory& memory) {
   constexpr int n = L::count;
   const FrameView& frame = *of.frame;
-  const int outputs = frame.outputs, rays = disc_batches * cone.each;
+  const int outputs = frame.outputs, count = disc_batches * rays.each;
   for (int i = 0; i < disc_batches * outputs; ++i) memory.aimed[i] = 0;
   for (int i = 0; frame.beside_moments && i < axis_moments * outputs; ++i)
     memory.aimed_moments[i] = 0;
@@ -190,9 +117,12 @@ OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search&
   Packet<L>& packet = own.in(memory.packet);
   clear<L>(packet.rays);
   packet.light_sees = of.task->sees.by_light;
-  for (int begin = 0; begin < rays; begin += n) {
+  for (int begin = 0; begin < count; begin += n) {
     float weight[n];
-    const LaneMask<L> counting = write_cone_rays(of, cone, begin, memory, packet, weight);
+    write_cone_rays(of, rays, begin, packet, weight);
+    LaneMask<L> counting;
+    for (int l = 0; l < n; ++l)
+      if (weight[l] > 0) counting.add(l);
     eval_lit_path<L>(*frame.scene, search, packet, counting, memory.paths, memory.radiance);
     const float* brought = memory.radiance;
     if (frame.output_from_band != nullptr) {
@@ -200,7 +130,7 @@ OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search&
       brought = memory.output;
     }
     counting.for_each([&](int l) {
-      double* const sums = memory.aimed + (begin + l) / cone.each * outputs;
+      double* const sums = memory.aimed + (begin + l) / rays.each * outputs;
       for (int o = 0; o < outputs; ++o)
         sums[o] += static_cast<double>(weight[l] * brought[o * n + l]);
       if (frame.beside_moments) add_aimed_moments<L>(of, begin + l, weight[l], brought + l, memory);
@@ -208,31 +138,67 @@ OMMA_HD_CALLED void trace_cone(const DiscTask& of, const ConeRays& cone, Search&
   }
 }
 
-// Adds what replicate `u` of those traced together sees in its cones to memory.beside, the square
-// of its error to memory.beside_variance and its moments to memory.beside_moments.
+// What a replicate's rays bring, in the unit of the bounds on what it aims at: where that is least
+// beside them.
+OMMA_HD double light_of_rays(const FrameView& frame, const BlockMemory& memory) {
+  for (int b = 0; b < frame.scene->bands; ++b) memory.disc_bound[b] = 1;
+  double least = INFINITY;
+  for (int o = 0; o < outputs_of_discs(frame); ++o) {
+    const double of_one = fabs(output_of(frame, o, memory.disc_bound));
+    if (of_one > 0) least = fmin(least, memory.by_rays[o] / of_one);
+  }
+  return least;
+}
+
+// Rays to a thing, for each batch, all scrambles together: by the share that it has of the response
+// at most, and the bound on what it adds. Where it fills two thirds of its cone 8 batches of 2 are
+// off by some 10 % of it, of 8 by 4 %, of 32 by 1.5 %.
+OMMA_HD int rays_to_thing(double share, double most, bool few) {
+  if (share >= 0.1) return most >= 1e-4 ? 32 : 8;
+  if (share >= 0.003 && few) return most >= 0.003 ? 8 : 2;
+  return few || share >= 0.003 ? 2 : 1;
+}
+
+// Adds what trace_cone has summed up over `each` rays a batch.
+template <typename L>
+OMMA_HD_CALLED void add_traced(const FrameView& frame, const DiscView& cone, int each,
+                               const BlockMemory& memory) {
+  const int outputs = frame.outputs;
+  constexpr double batches = disc_batches;
+  const double scale = 1 / (static_cast<double>(cone.density) * each);
+  for (int o = 0; o < outputs; ++o) {
+    const MeanOfEstimates found =
+        mean_of_estimates(disc_batches, [&](int r) { return memory.aimed[r * outputs + o]; });
+    memory.beside[o] += found.mean * scale;
+    memory.beside_variance[o] += found.squares * scale * scale / (batches * (batches - 1));
+    for (int m = 0; frame.beside_moments && m < axis_moments; ++m)
+      memory.beside_moments[m * outputs + o] +=
+          memory.aimed_moments[m * outputs + o] * scale / batches;
+  }
+}
+
+// Adds what a replicate sees of what it aims at to memory.beside, the square of its error to
+// memory.beside_variance and its moments to memory.beside_moments.
 template <typename L, typename Search>
-OMMA_HD_CALLED void add_aimed(const DiscTask& of_replicate, int u, Search& search,
+OMMA_HD_CALLED void add_aimed(const FrameView& frame, const BlockTask& task,
+                              const Replicate& replicate, const AimsInView& seen, Search& search,
                               const BlockMemory& memory) {
-  const int outputs = of_replicate.frame->outputs;
-  for (int k = 0; k < memory.cone_count[u]; ++k) {
-    const AimCone& cone = memory.cones[u * most_cones + k];
-    const DiscView disc = disc_of(cone);
-    DiscTask of = of_replicate;
-    of.disc = &disc;
-    of.hash = mix_bits_32(of.replicate->hash + 0x2545f491u * static_cast<std::uint32_t>(k + 1));
-    const int each = cone.most >= 0.3f ? 32 : (cone.most >= 0.003f ? 8 : 2);
-    trace_cone<L>(of, {u, k, each}, search, memory);
-    for (int o = 0; o < outputs; ++o) {
-      const MeanOfEstimates found =
-          mean_of_estimates(disc_batches, [&](int r) { return memory.aimed[r * outputs + o]; });
-      constexpr double batches = disc_batches;
-      const double scale = static_cast<double>(cone.solid_sr) / each;
-      memory.beside[o] += found.mean * scale;
-      memory.beside_variance[o] += found.squares * scale * scale / (batches * (batches - 1));
-      for (int m = 0; of.frame->beside_moments && m < axis_moments; ++m)
-        memory.beside_moments[m * outputs + o] +=
-            memory.aimed_moments[m * outputs + o] * scale / batches;
-    }
+  if (seen.count == 0) return;
+  const SceneView& scene = *frame.scene;
+  const double light = light_of_rays(frame, memory) + static_cast<double>(seen.light);
+  // Sets of different scrambles are less even together than one of as many points.
+  const int sets = frame.scrambles > 1 ? frame.scrambles / 2 : 1;
+  for (int k = 0; k < seen.count; ++k) {
+    const AimView& aim = scene.light->aims[seen.aim[k]];
+    const DiscView cone = cone_of(scene, aim, vec_of(replicate.origin));
+    DiscTask of = look_at(frame, task, replicate, cone);
+    of.hash = mix_bits_32(replicate.hash + 0x2545f491u * static_cast<std::uint32_t>(k + 1));
+    const double most =
+        static_cast<double>(aim.brightest) * most_met<L>(frame, task, replicate, cone);
+    const int needed = rays_to_thing(most / light, most, seen.count <= few_aims);
+    const int each = needed > sets ? needed / sets : 1;
+    trace_cone<L>(of, {&seen, k, each}, search, memory);
+    add_traced<L>(frame, cone, each, memory);
   }
 }
 
@@ -261,7 +227,8 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
   make_replicates<L>(*frame.eye, task, *frame.directions, list, {true, frame.scene->polarized},
                      replicates);
   find_acceptances(frame, replicates, list.count);
-  const bool has_cones = has_aims(frame) && find_cones(frame, task, replicates, list.count, memory);
+  const bool any_in_view =
+      has_aims(frame) && find_all_in_view(frame, task, replicates, list.count, memory);
   for (int u = 0; u < list.count; ++u) {
     for (int o = 0; o < frame.outputs; ++o) memory.beside[o] = memory.beside_variance[o] = 0;
     for (int o = 0; o < outputs_of_discs(frame); ++o) {
@@ -274,9 +241,7 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
       memory.beside_moments[i] = 0;
     const Replicate replicate = replicate_at(replicates, u);
     if (has_discs(frame)) add_eye_discs<L>(frame, task, replicate, search, memory);
-    if (has_cones)
-      add_aimed<L>({&frame, &task, frame.directions->warps + replicate.warp, nullptr, &replicate},
-                   u, search, memory);
+    if (any_in_view) add_aimed<L>(frame, task, replicate, memory.in_view[u], search, memory);
     calls.take(u);
   }
 }

@@ -53,13 +53,13 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
 // the error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
 inline constexpr int disc_batches = 8;
 
-// Directions in which a replicate sees something small and bright (aimed_rays.h).
-struct AimCone {
-  Vec3 direction;                   // unit
-  float chord_2 = 0, solid_sr = 0;  // of its rim, as of DiscView; its solid angle
-  float most = 0;                   // bound on what it adds to the response
+// What a replicate sees of small and bright things, and aims at (aimed_rays.h).
+struct AimsInView {
+  static constexpr int most = 120;
+  std::uint16_t aim[most];  // numbers in LightView::aims
+  std::int32_t count = 0;
+  float light = 0;  // bound on what they add to the response together
 };
-inline constexpr int most_cones = 10;  // as many as fit the memory of a thread of a card
 
 // Rendering to an error: what is known of the ommatidia of a block. What has a number for each
 // output is [output][most_per_block], all else [most_per_block].
@@ -121,10 +121,8 @@ struct BlockMemory {
   // a cone, [moment][output].
   double *beside_moments = nullptr, *disc_moments = nullptr, *disc_all_moments = nullptr,
          *disc_seen_moments = nullptr, *aimed_moments = nullptr;
-  // Cones that replicates aim at, [replicate][most_cones], how many, [replicate]; sums of one,
-  // [disc_batches][output].
-  AimCone* cones = nullptr;
-  std::int32_t* cone_count = nullptr;
+  // What replicates aim at, [replicate]; sums over the rays to one thing, [disc_batches][output].
+  AimsInView* in_view = nullptr;
   double* aimed = nullptr;
   // In one lane: what InMemory is for, and what its search has still to visit.
   Replicates<Lanes<1, 1>>* replicates = nullptr;
@@ -279,11 +277,8 @@ OMMA_HD BlockMemory lay_out(Scratch& scratch, const FrameView& frame, int lanes)
   const bool to_error = frame.most_samples > 0;
   memory.sums = scratch.take<double>(replicates);
   if (to_error) memory.square_sums = scratch.take<double>(replicates);
-  if (scene.light != nullptr && scene.light->aim_count > 0) {
-    const auto traced = static_cast<std::size_t>(padded_replicates(lanes));
-    memory.cones = scratch.take<AimCone>(traced * most_cones);
-    memory.cone_count = scratch.take<std::int32_t>(traced);
-  }
+  if (scene.light != nullptr && scene.light->aim_count > 0)
+    memory.in_view = scratch.take<AimsInView>(static_cast<std::size_t>(padded_replicates(lanes)));
   if (frame.truth != nullptr)
     memory.truth_sums = lay_out_truth(scratch, *frame.truth, memory.stride);
   if (to_error && lanes > 1) memory.error = lay_out_error(scratch, frame);

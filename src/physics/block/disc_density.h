@@ -91,18 +91,23 @@ OMMA_HD void disc_turn(const DiscTask& of, std::uint32_t hash, int sample, float
     for (int c = 0; c < 4; ++c) turn[r][c] = r == c ? 1.0f : 0.0f;
 }
 
+// How far from its axis a replicate sees anything, rad: an angle over 2 pi where S has no end.
+// Beyond 3.5 widths a Gaussian is below 2e-15 of its peak.
+OMMA_HD double reach_of(const AcceptanceWarpView& warp, double scale) {
+  const bool ends =
+      warp.sensitivity.kernel == Kernel::gaussian || warp.sensitivity.kernel == Kernel::pillbox;
+  return ends ? 3.5 * scale * fmax(warp.sensitivity.width_rad, warp.sensitivity.minor_width_rad)
+              : 3 * pi;
+}
+
 // Bound on the density of the replicate's rays in the disc: where it is nearest to the axis, in its
 // middle and where it is furthest, at some times of a frame that lasts.
 OMMA_HD double most_unit_pdf(const DiscTask& of) {
   const Replicate& replicate = *of.replicate;
   const AcceptanceWarpView& warp = *of.warp;
   const double radius_rad = 2 * asin(0.5 * sqrt(static_cast<double>(of.disc->chord_2)));
-  const bool ends =
-      warp.sensitivity.kernel == Kernel::gaussian || warp.sensitivity.kernel == Kernel::pillbox;
   const double scale = static_cast<double>(replicate.scale);
-  // Beyond 3.5 widths a Gaussian is below 2e-15 of its peak.
-  const double reach_rad =
-      radius_rad + 3.5 * scale * fmax(warp.sensitivity.width_rad, warp.sensitivity.minor_width_rad);
+  const double reach_rad = radius_rad + reach_of(warp, scale);
   const int times = of.task->motion != nullptr ? 32 : 1;
   double most = 0;
   for (int k = 0; k < times; ++k) {
@@ -119,7 +124,7 @@ OMMA_HD double most_unit_pdf(const DiscTask& of) {
     }
     const double from_axis_2 =
         local[0] * local[0] + local[1] * local[1] + (local[2] - 1) * (local[2] - 1);
-    if (ends && from_axis_2 > reach_rad * reach_rad) continue;  // a chord is shorter than its arc
+    if (from_axis_2 > reach_rad * reach_rad) continue;  // a chord is shorter than its arc
     const double theta = atan2(sqrt(local[0] * local[0] + local[1] * local[1]), local[2]);
     const double azimuth = warp.azimuth == nullptr ? 0 : atan2(local[1], local[0]);
     for (const double at : {fmax(theta - radius_rad, 0.0), theta, fmin(theta + radius_rad, pi)})

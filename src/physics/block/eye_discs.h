@@ -24,8 +24,6 @@ namespace omma {
 // Below this part of what a surface gets, as radiance, a disc adds nothing: dim responses are some
 // thousandths of that.
 inline constexpr double least_disc_light = 1e-7;
-// The same of what ommatidia aim at, of which rays find what is less.
-inline constexpr double least_aimed_light = 1e-6;
 
 // Points on a disc, for each batch: where all of the pilot's see the disc, or none, and else at
 // least.

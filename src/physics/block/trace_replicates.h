@@ -132,9 +132,9 @@ OMMA_HD_CALLED void trace_lit(ReplicateTrace<L, Search>& trace) {
   };
   for_each_traced(
       trace, [&](const PacketStart& start, LaneMask<L> lanes) __attribute__((always_inline)) {
-        in_cones[packets] = trace.has_cones
-                                ? rays_in_cones(packet, start, trace.directions.samples, memory)
-                                : LaneMask<L>{};
+        in_cones[packets] = trace.has_cones ? rays_in_cones(scene, trace.replicates, packet, start,
+                                                            trace.directions.samples, memory)
+                                            : LaneMask<L>{};
         begin_paths(block, packets, lanes, packet, trace.first);
         starts[packets++] = start;
         if (packets == most_packets) end();
@@ -177,7 +177,7 @@ OMMA_HD_CALLED void trace_replicates(const BlockRun<Search>& run, const Directio
       replicates,
       packet,
       has_truth ? &met : nullptr,
-      has_aims(frame) && find_cones(frame, task, replicates, list.count, memory),
+      has_aims(frame) && find_all_in_view(frame, task, replicates, list.count, memory),
       {samples,
        before,
        {at(memory.sums), frame.outputs, memory.stride},

@@ -21,8 +21,8 @@ struct LightSample {
   std::int32_t index = 0;               // of the lamp, or the surface's instance of the scene
   std::int32_t mesh = 0, triangle = 0;  // of a surface
   float u = 0, v = 0;                   // barycentric, where on it
-  Vec3 normal;                          // unit, and the largest coordinate of its corners, m
-  float reach_m = 0;
+  Vec3 normal;                          // of its triangle, unit
+  float reach_m = 0;                    // the largest coordinate of that triangle's corners
   float scale = 1;                      // of a lamp's strength
 };
 

@@ -75,12 +75,14 @@ struct EmissiveView {
   const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
 };
 
-// Something small and bright besides discs: the mirror image of one, or a surface that shines.
+// Something small and bright besides discs: the mirror image of one, or a piece of a surface that
+// shines.
 struct AimView {
-  Vec3 centre;                // a unit direction, or a place, m
-  float radius = 0;           // about it, rad or m
-  bool is_direction = false;
-  float brightest = 0;        // bound on its mean radiance, of the brightest band
+  Vec3 centre;                 // a unit direction, or a place in the mesh of `instance`, m
+  float chord_2 = 0;           // of a direction's rim, as of DiscView
+  float radius_m = 0;          // about a place, where the instance's largest scale is 1
+  std::int32_t instance = -1;  // of the scene; -1: a direction
+  float brightest = 0;         // bound on its mean radiance, of the brightest band
 };
 
 // omma::CloudShadow, as places are given to lamps.
