@@ -8,20 +8,19 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "physics/surface/microfacet.h"
 
 namespace omma {
 namespace {
 
-// Each is tested for each ommatidium in each frame, and has a number of 16 bits (AimsInView).
-constexpr std::size_t most_aims = 1024, most_mirror_images = 8;
-
-// A mesh of more triangles, as of ground that glows, is one piece.
-constexpr std::size_t most_divided_triangles = 100'000;
-
-// Of scenes full of small mirrors the first so many directions count; others are found by rays.
+// Of scenes full of small mirrors the first so many count; others are found by rays.
 constexpr std::size_t most_mirrors = 64;
+
+// Meshes of more triangles or pieces, as of ground that glows, are one piece.
+constexpr std::size_t most_divided_triangles = 2'000'000, most_pieces = 100'000;
 
 // A rougher surface spreads the sun over degrees, which ordinary rays find.
 constexpr float most_mirror_roughness = 0.1f;
@@ -52,23 +51,31 @@ Vec3d place_of(const MeshView& mesh, const Mat4& world_from_mesh, std::uint32_t 
   return transform_point(world_from_mesh, Vec3d{p[0], p[1], p[2]});
 }
 
-// The direction that all triangles of an instance face, unit, or none.
-std::optional<Vec3d> facing(const Scene& scene, const Placement& placement, const SceneView& view,
-                            std::size_t instance) {
+// Of a plane: its normal in the world, and two directions in it in its mesh; all unit.
+struct Plane {
+  Vec3d facing, along, across;
+};
+
+// The plane of all triangles of an instance, or none.
+std::optional<Plane> plane_of(const Scene& scene, const Placement& placement, const SceneView& view,
+                              std::size_t instance) {
   const auto mesh = static_cast<std::size_t>(scene.instances[instance].mesh);
+  const MeshView& seen = view.meshes[mesh];
   const Mat4& world_from_mesh = placement.world_from_mesh[instance];
-  std::optional<Vec3d> found;
+  std::optional<Plane> found;
   for (const auto& triangle : scene.meshes[mesh].triangles) {
     Vec3d corner[3];
-    for (std::size_t k = 0; k < 3; ++k)
-      corner[k] = place_of(view.meshes[mesh], world_from_mesh, triangle[k]);
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = place_of(seen, world_from_mesh, triangle[k]);
     const Vec3d normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
     const double size = length(normal);
     if (!(size > 0)) continue;
     const Vec3d unit = normal * (1 / size);
-    if (!found) found = unit;
-    const Vec3d off = cross(*found, unit);
-    if (length(off) > flat_rad) return std::nullopt;
+    if (!found) {
+      const Vec3d own = place_of(seen, {}, triangle[0]);
+      found = {unit, normalize(place_of(seen, {}, triangle[1]) - own),
+               normalize(place_of(seen, {}, triangle[2]) - own)};
+    }
+    if (length(cross(found->facing, unit)) > flat_rad) return std::nullopt;
   }
   return found;
 }
@@ -85,57 +92,74 @@ double solid_of(double radius_rad) {
   return 2 * pi * (1 - std::cos(radius_rad));
 }
 
-void add_mirror_images(const LightData& data, const Scene& scene, const Placement& placement,
-                       const SceneView& view, std::vector<AimView>& aims) {
-  if (data.discs.empty()) return;
-  const auto bands = static_cast<std::size_t>(data.view.bands);
-  struct Mirror {
-    Vec3d facing;
-    double spread_rad;
-  };
+struct Mirror {
+  std::int32_t instance;
+  Plane plane;
+  double spread_rad;
+  bool is_first;  // that faces there
+};
+
+std::vector<Mirror> find_mirrors(const Scene& scene, const Placement& placement,
+                                 const SceneView& view) {
   std::vector<Mirror> mirrors;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+  for (std::size_t i = 0; i < scene.instances.size() && mirrors.size() < most_mirrors; ++i) {
     const auto mesh = static_cast<std::size_t>(scene.instances[i].mesh);
     const std::int32_t material = scene.meshes[mesh].material;
     if (material < 0 || !is_mirror(scene.materials[static_cast<std::size_t>(material)])) continue;
-    const std::optional<Vec3d> normal = facing(scene, placement, view, i);
-    if (!normal) continue;
-    const double spread = spread_rad(scene.materials[static_cast<std::size_t>(material)]);
-    const auto same = std::find_if(mirrors.begin(), mirrors.end(), [&](const Mirror& known) {
-      return length(cross(known.facing, *normal)) < flat_rad;
+    const std::optional<Plane> plane = plane_of(scene, placement, view, i);
+    if (!plane) continue;
+    const bool is_known = std::any_of(mirrors.begin(), mirrors.end(), [&](const Mirror& known) {
+      return length(cross(known.plane.facing, plane->facing)) < flat_rad;
     });
-    if (same != mirrors.end())
-      same->spread_rad = std::max(same->spread_rad, spread);
-    else if (mirrors.size() < most_mirrors)
-      mirrors.push_back({*normal, spread});
+    mirrors.push_back({static_cast<std::int32_t>(i), *plane,
+                       spread_rad(scene.materials[static_cast<std::size_t>(material)]), !is_known});
   }
-  for (std::size_t d = 0; d < data.discs.size(); ++d) {
-    const DiscView& disc = data.discs[d];
-    const float* radiance = data.disc_radiance.data() + d * bands;
-    const double brightest = static_cast<double>(*std::max_element(radiance, radiance + bands));
-    const double radius_rad = 2 * std::asin(0.5 * std::sqrt(static_cast<double>(disc.chord_2)));
-    for (const Mirror& mirror : mirrors) {
-      const Vec3d from = to_double(disc.direction);
-      const Vec3d image = from - mirror.facing * (2 * dot(from, mirror.facing));
-      AimView aim;
-      aim.centre = to_float(normalize(image));
-      const double wide_rad = radius_rad + mirror.spread_rad;
-      aim.chord_2 = static_cast<float>(4 * std::pow(std::sin(0.5 * wide_rad), 2));
-      aim.brightest = static_cast<float>(brightest * solid_of(radius_rad) / solid_of(wide_rad));
-      aims.push_back(aim);
-    }
+  // What faces where others do counts once it is turned.
+  std::stable_partition(mirrors.begin(), mirrors.end(), [](const Mirror& m) { return m.is_first; });
+  return mirrors;
+}
+
+// Of a disc, as all mirrors show it, and as it is seen through volumes, which bend its rays.
+void add_images(const LightData& data, std::size_t d, const std::vector<Mirror>& mirrors,
+                bool has_volumes, std::vector<AimView>& aims) {
+  const DiscView& disc = data.discs[d];
+  const auto bands = static_cast<std::size_t>(data.view.bands);
+  const float* radiance = data.disc_radiance.data() + d * bands;
+  const double brightest = static_cast<double>(*std::max_element(radiance, radiance + bands));
+  const double radius_rad = 2 * std::asin(0.5 * std::sqrt(static_cast<double>(disc.chord_2)));
+  AimView aim;
+  aim.disc = static_cast<std::int32_t>(d);
+  const auto add = [&](double spread) {
+    const double wide_rad = radius_rad + spread;
+    aim.chord_2 = static_cast<float>(4 * std::pow(std::sin(0.5 * wide_rad), 2));
+    aim.brightest = static_cast<float>(brightest * solid_of(radius_rad) / solid_of(wide_rad));
+    aims.push_back(aim);
+  };
+  if (has_volumes) add(flat_rad);
+  for (const Mirror& mirror : mirrors) {
+    aim.instance = mirror.instance;
+    aim.centre = to_float(mirror.plane.along);
+    aim.across = to_float(mirror.plane.across);
+    add(mirror.spread_rad);
   }
 }
 
-// Vertices of each piece of a mesh that hangs together, where there are `most` at most; else of
-// all.
-std::vector<std::vector<std::uint32_t>> pieces_of(const Mesh& mesh, std::size_t most) {
-  const std::size_t vertices = mesh.positions.size();
-  std::vector<std::uint32_t> all(vertices);
-  std::iota(all.begin(), all.end(), 0u);
-  if (mesh.triangles.size() > most_divided_triangles) return {all};
+// A piece of a mesh that hangs together.
+struct Piece {
+  std::vector<std::uint32_t> vertices;
+  double share = 0;  // of what the mesh sends
+  double area_m2 = 0;
+};
+
+// The pieces of a mesh, of whose triangles `sum` is the running sum of shares; one where there are
+// too many.
+std::vector<Piece> pieces_of(const Mesh& mesh, const float* sum) {
+  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+  std::vector<std::uint32_t> parent(vertices);
+  std::iota(parent.begin(), parent.end(), 0u);
+  Piece whole{parent, 1, 1};
+  if (triangles > most_divided_triangles) return {whole};
   // Union-find; what is at the same place hangs together.
-  std::vector<std::uint32_t> parent = all;
   const auto root_of = [&](std::uint32_t v) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
@@ -148,54 +172,93 @@ std::vector<std::vector<std::uint32_t>> pieces_of(const Mesh& mesh, std::size_t 
       parent[root_of(v)] = root_of(same);
       parent[root_of(v)] = root_of(triangle[0]);
     }
-  std::map<std::uint32_t, std::vector<std::uint32_t>> of_root;
-  std::vector<char> is_used(vertices, 0);
-  for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) is_used[v] = 1;
-  for (const std::uint32_t v : all)
-    if (is_used[v]) of_root[root_of(v)].push_back(v);
-  if (of_root.size() > most) return {all};
-  std::vector<std::vector<std::uint32_t>> pieces;
-  for (auto& [root, of] : of_root) pieces.push_back(std::move(of));
+  std::map<std::uint32_t, Piece> of_root;
+  std::vector<char> is_known(vertices, 0);
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto& triangle = mesh.triangles[t];
+    Piece& piece = of_root[root_of(triangle[0])];
+    if (of_root.size() > most_pieces) return {whole};
+    const auto at = [&](int k) {
+      return to_double(mesh.positions[triangle[static_cast<std::size_t>(k)]]);
+    };
+    piece.share += static_cast<double>(sum[t + 1] - sum[t]);
+    piece.area_m2 += length(cross(at(1) - at(0), at(2) - at(0))) / 2;
+    for (const std::uint32_t v : triangle)
+      if (!std::exchange(is_known[v], char{1})) piece.vertices.push_back(v);
+  }
+  std::vector<Piece> pieces;
+  for (auto& [root, piece] : of_root) pieces.push_back(std::move(piece));
   return pieces;
 }
 
+// What the surfaces of a mesh that shines are divided into.
+struct Pieces {
+  std::vector<Piece> all;
+  double brightest = 0;  // the largest share over area
+};
+
+Pieces divide(const Mesh& mesh, const float* sum) {
+  Pieces pieces{pieces_of(mesh, sum)};
+  for (const Piece& piece : pieces.all)
+    pieces.brightest = std::max(pieces.brightest, piece.share / std::max(piece.area_m2, 1e-300));
+  return pieces;
+}
+
+// The sphere about a piece of an instance.
+AimView about(const Piece& piece, const EmissiveView& emissive, const MeshView& mesh,
+              const Mat4& world_from_mesh) {
+  Vec3d middle{};
+  for (const std::uint32_t v : piece.vertices)
+    middle = middle + place_of(mesh, {}, v) * (1.0 / static_cast<double>(piece.vertices.size()));
+  const Vec3d centre = transform_point(world_from_mesh, middle);
+  double radius_m = 0;
+  for (const std::uint32_t v : piece.vertices)
+    radius_m = std::max(radius_m, length(place_of(mesh, world_from_mesh, v) - centre));
+  AimView aim;
+  aim.centre = to_float(middle);
+  aim.radius_m = static_cast<float>(radius_m / largest_scale(world_from_mesh));
+  aim.instance = emissive.instance;
+  return aim;
+}
+
+// Those that send most, as many as there is room for.
 void add_shining(const LightData& data, const Scene& scene, const Placement& placement,
                  const SceneView& view, std::vector<AimView>& aims) {
-  std::map<std::int32_t, std::vector<std::vector<std::uint32_t>>> pieces_of_mesh;
-  for (const EmissiveView& emissive : data.emissive) {
+  struct Shining {
+    std::size_t emissive;
+    const Piece* piece;
+    double power;
+  };
+  std::map<std::int32_t, Pieces> pieces_of_mesh;
+  std::vector<Shining> found;
+  for (std::size_t e = 0; e < data.emissive.size(); ++e) {
+    const EmissiveView& emissive = data.emissive[e];
     const auto [known, is_new] = pieces_of_mesh.try_emplace(emissive.mesh);
     if (is_new)
-      known->second = pieces_of(scene.meshes[static_cast<std::size_t>(emissive.mesh)], most_aims);
-    const Mat4& world_from_mesh =
-        placement.world_from_mesh[static_cast<std::size_t>(emissive.instance)];
-    const double scale = largest_scale(world_from_mesh);
-    const std::int32_t material = view.meshes[emissive.mesh].material;
-    const Vec3 factor = view.materials[material].emissive;
-    const float* matrix = view.scatter[material].emission;
+      known->second =
+          divide(scene.meshes[static_cast<std::size_t>(emissive.mesh)], emissive.triangle_sum);
+    const auto chosen = static_cast<double>(data.emissive_sum[e + 1] - data.emissive_sum[e]);
+    for (const Piece& piece : known->second.all) found.push_back({e, &piece, chosen * piece.share});
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Shining& a, const Shining& b) { return a.power > b.power; });
+  found.resize(std::min(found.size(), static_cast<std::size_t>(most_aims) - aims.size()));
+  for (const Shining& shining : found) {
+    const EmissiveView& emissive = data.emissive[shining.emissive];
+    const MeshView& mesh = view.meshes[emissive.mesh];
+    const Vec3 factor = view.materials[mesh.material].emissive;
+    const float* matrix = view.scatter[mesh.material].emission;
     float brightest = 0;
     for (std::int32_t b = 0; b < data.view.bands; ++b)
       brightest = std::max(brightest, matrix[3 * b] * factor.x + matrix[3 * b + 1] * factor.y +
                                           matrix[3 * b + 2] * factor.z);
-    for (const std::vector<std::uint32_t>& piece : known->second) {
-      const float* positions = view.meshes[emissive.mesh].positions;
-      Vec3d middle{};
-      for (const std::uint32_t v : piece) {
-        const float* p = positions + 3 * static_cast<std::size_t>(v);
-        middle = middle + Vec3d{p[0], p[1], p[2]} * (1.0 / static_cast<double>(piece.size()));
-      }
-      const Vec3d centre = transform_point(world_from_mesh, middle);
-      double radius_m = 0;
-      for (const std::uint32_t v : piece)
-        radius_m = std::max(
-            radius_m, length(place_of(view.meshes[emissive.mesh], world_from_mesh, v) - centre));
-      AimView aim;
-      aim.centre = to_float(middle);
-      aim.radius_m = static_cast<float>(radius_m / scale);
-      aim.instance = emissive.instance;
-      aim.brightest = brightest;
-      aims.push_back(aim);
-    }
+    const Piece& piece = *shining.piece;
+    const double density = piece.share / std::max(piece.area_m2, 1e-300),
+                 of_mesh = pieces_of_mesh[emissive.mesh].brightest;
+    AimView aim = about(piece, emissive, mesh,
+                        placement.world_from_mesh[static_cast<std::size_t>(emissive.instance)]);
+    aim.brightest = brightest * static_cast<float>(of_mesh > 0 ? density / of_mesh : 1);
+    aims.push_back(aim);
   }
 }
 
@@ -204,22 +267,11 @@ void add_shining(const LightData& data, const Scene& scene, const Placement& pla
 std::vector<AimView> make_aims(const LightData& data, const Scene& scene, const Placement& placement,
                                const SceneView& view) {
   std::vector<AimView> aims;
-  add_mirror_images(data, scene, placement, view, aims);
-  std::stable_sort(aims.begin(), aims.end(), [](const AimView& a, const AimView& b) {
-    return a.brightest * a.chord_2 > b.brightest * b.chord_2;
-  });
-  if (aims.size() > most_mirror_images) aims.resize(most_mirror_images);
-  const auto first_shining = static_cast<std::ptrdiff_t>(aims.size());
+  const std::vector<Mirror> mirrors =
+      data.discs.empty() ? std::vector<Mirror>{} : find_mirrors(scene, placement, view);
+  for (std::size_t d = 0; d < data.discs.size() && aims.size() < most_aims / 2; ++d)
+    add_images(data, d, mirrors, view.has_volumes, aims);
   add_shining(data, scene, placement, view, aims);
-  const auto power = [&](const AimView& aim) {
-    const double radius_m =
-        static_cast<double>(aim.radius_m) *
-        largest_scale(placement.world_from_mesh[static_cast<std::size_t>(aim.instance)]);
-    return static_cast<double>(aim.brightest) * radius_m * radius_m;
-  };
-  std::stable_sort(aims.begin() + first_shining, aims.end(),
-                   [&](const AimView& a, const AimView& b) { return power(a) > power(b); });
-  if (aims.size() > most_aims) aims.resize(most_aims);
   return aims;
 }
 

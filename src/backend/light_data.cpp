@@ -240,6 +240,9 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   data->aims = make_aims(*data, scene, placement, view);
   out.aims = data->aims.data();
   out.aim_count = static_cast<std::int32_t>(data->aims.size());
+  constexpr double least_beside_far = 1e-6;
+  out.least_aimed = static_cast<float>(least_beside_far * sum_of(sent[0]) /
+                                       (4 * pi * static_cast<double>(sent[0].size())));
   return data;
 }
 
@@ -254,6 +257,7 @@ void scale_to_radiance_unit(LightData& data) {
   for (float& x : data.disc_radiance) x *= per_unit;
   for (float& x : data.lamp_strength) x *= per_unit;
   for (AimView& aim : data.aims) aim.brightest *= per_unit;
+  data.view.least_aimed *= per_unit;
 }
 
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {

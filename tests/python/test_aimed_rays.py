@@ -10,6 +10,7 @@ from test_eye_discs import RADIANCE, RADIUS_RAD, expected, eye_of, off_axis
 
 import omma
 from omma.light import Disc, Light
+from omma.scene import Material
 
 SUN_DEG = 30.0
 BACKENDS = ("embree", "portable")
@@ -135,3 +136,83 @@ def test_rays_follow_what_moves() -> None:
     # 256 points on a square of 2 / pi of its cone.
     assert np.std(error) < 0.02
     assert abs(error.mean()) < 0.005
+
+
+def plate(**how: object) -> Material:
+    return Material(ior=1.5, roughness=0.0, double_sided=True, **how)  # type: ignore[arg-type]
+
+
+def beside_the_image(
+    world: omma.World, width_deg: float, sampling: object
+) -> tuple[Floats, Floats]:
+    """200 ommatidia, half an acceptance below the image of the sun: responses and their errors."""
+    eye = eye_of(towards_image(0.5 * width_deg), width_deg, 200)
+    renderer = omma.Renderer(world, eye, sampling)  # type: ignore[arg-type]
+    response, error = renderer.render(np.eye(4), standard_error=True)
+    return response[0, :, 0].astype(float), error[0, :, 0].astype(float)
+
+
+@pytest.mark.parametrize("width_deg", [0.7, 1.0, 1.1])
+def test_eyes_hardly_wider_than_the_image(width_deg: float) -> None:
+    found, _ = beside_the_image(pond(sun_ahead()), width_deg, omma.Fixed(16))
+    many, _ = beside_the_image(pond(sun_ahead()), width_deg, omma.Fixed(1024))
+    # Without rays that are aimed: 42 % rms, and 96 % with 4 rays.
+    assert np.std(found / many.mean()) < 0.1
+    assert found.mean() == pytest.approx(many.mean(), rel=0.02)
+
+
+def test_more_rays_bring_the_image_nearer() -> None:
+    few, _ = beside_the_image(pond(sun_ahead()), 5.0, omma.Fixed(16))
+    many, _ = beside_the_image(pond(sun_ahead()), 5.0, omma.Fixed(1024))
+    assert np.std(many) < 0.25 * np.std(few)
+
+
+def test_an_error_is_reached_at_the_image() -> None:
+    eye = eye_of(towards_image(0.0), 5.0, 100)
+    sampling = omma.ToError(relative_error=0.05)
+    _, report = omma.Renderer(pond(sun_ahead()), eye, sampling).render(np.eye(4), report=True)
+    assert report.reached.all()
+
+
+def test_the_image_follows_its_mirror() -> None:
+    a = 0.35
+    sun = Disc((np.sin(2 * a), 0.0, np.cos(2 * a)), RADIUS_RAD, [RADIANCE])
+    light = Light(BAND, "watts", discs=[sun])
+    mirror = omma.scene.plane((6, 6), facing=(0, 0, 1), name="mirror").replace(
+        materials=[plate(metallic=1.0, base_color=(1, 1, 1))]
+    )
+    there = np.eye(4)
+    there[:3, :3] = [[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]]
+    there[:3, 3] = (0, 0, -2)
+    placed = omma.World(omma.scene.place_scene(mirror, there), light=light)
+    moved = omma.World(mirror, light=light)
+    moved.set_transforms("mirror", there)
+    eye = eye_of(np.array([0.0, 0.0, -1.0]), 3.0, 200)
+    of = [omma.Renderer(w, eye, omma.Fixed(16)).render(np.eye(4)) for w in (placed, moved)]
+    np.testing.assert_allclose(of[1], of[0], rtol=1e-3)
+    assert np.std(of[0] / of[0].mean()) < 0.1
+
+
+@pytest.mark.parametrize("turned_deg", [0.0, 40.0])
+def test_the_sun_through_a_block_of_glass(turned_deg: float) -> None:
+    """Its two faces are parallel: it is where it was, and dimmed by both, (1 - R) / (1 + R)."""
+    a, width_deg = np.radians(turned_deg), 5.0
+    glass = Material(base_color=(1, 1, 1), ior=1.5, roughness=0, transmission=1, thickness_m=0.05)
+    there = np.eye(4)
+    there[:3, :3] = [[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]]
+    there[:3, 3] = (0, 0, -1)
+    block = omma.scene.box((6, 6, 0.05)).replace(materials=[glass])
+    sun = Disc((0.0, 0.0, -1.0), RADIUS_RAD, [RADIANCE])
+    world = omma.World(
+        omma.scene.place_scene(block, there), light=Light(BAND, "watts", discs=[sun])
+    )
+    eye = eye_of(np.array([0.0, 0.0, -1.0]), width_deg, 100)
+    found = omma.Renderer(world, eye, omma.Fixed(16)).render(np.eye(4)).astype(float).ravel()
+    cosine = np.cos(a)
+    bent = np.sqrt(1 - (1 - cosine**2) / 1.5**2)
+    s = ((cosine - 1.5 * bent) / (cosine + 1.5 * bent)) ** 2
+    p = ((1.5 * cosine - bent) / (1.5 * cosine + bent)) ** 2
+    through = ((1 - s) / (1 + s) + (1 - p) / (1 + p)) / 2
+    exact = through * expected(off_axis(0.0, 0.0), width_deg)
+    assert found.mean() == pytest.approx(exact, rel=0.02)
+    assert np.std(found / exact) < 0.1

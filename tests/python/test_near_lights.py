@@ -2,6 +2,8 @@
 are beside the distance between them.
 """
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -121,7 +123,7 @@ def of_ring(count, width_deg=5.0):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("count", [1, 2, 9, 12, 40, 120])
+@pytest.mark.parametrize("count", [1, 2, 9, 12, 40, 300])
 def test_each_of_many_small_lights_is_seen(count, backend):
     scene = omma.scene.merge_scenes(discs_at(ring(count)))
     responses, errors = ring_seen(scene, backend=backend)
@@ -172,6 +174,56 @@ def test_errors_of_a_panel_full_of_lights_are_honest():
     assert responses.mean() == pytest.approx(RADIANCE * covered, rel=0.03)
     z = (responses - RADIANCE * covered) / errors
     assert np.std(z) < 1.6
+
+
+@pytest.mark.parametrize("away_m", [100.0, 3000.0])
+def test_a_lamp_far_away_is_seen_however_small_its_scene(away_m):
+    """A globe's disc, alone, which the eye looks at from outside of its scene."""
+    scene = omma.scene.disc(0.05, center_m=(0, 0, 0), facing=(0, 0, 1), segments=4).replace(
+        materials=[SHINING]
+    )
+    world = omma.World(scene, light=omma.light.lamps(bands=BANDS, unit="watts"))
+    eye = omma.Eye(np.zeros((50, 3)), np.tile([0.0, 0.0, -1.0], (50, 1)), np.radians(4.0))
+    pose = omma.look_at((0, 0, away_m), (0, 0, 0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of single precision so far away
+        response = omma.Renderer(world, eye, omma.Fixed(16)).render(pose)[0, :, 0]
+    solid_sr = 2 * 0.05**2 / away_m**2
+    expected = RADIANCE * solid_sr / omma.receptors.solid_angle_sr(np.radians(4.0))
+    np.testing.assert_allclose(response, float(expected), rtol=0.07)
+
+
+def test_many_lights_of_one_mesh_are_seen():
+    """1,100, more than a world aims at, of which the texture leaves 30 bright."""
+    n = 1100
+    k = np.arange(n)
+    y = 1 - 2 * (k + 0.5) / n
+    across = np.sqrt(1 - y**2)
+    axes = np.stack([across * np.cos(2.399963 * k), y, across * np.sin(2.399963 * k)], 1)
+    side = np.cross(axes, [0.0, 1.0, 0.0])
+    side *= 0.02 / np.linalg.norm(side, axis=1, keepdims=True)
+    up = np.cross(side, axes)
+    corners = np.stack([20 * axes + side, 20 * axes + up, 20 * axes - side, 20 * axes - up], 1)
+    square_of = 4 * k[:, None, None] + np.array([[0, 2, 1], [0, 3, 2]])
+    bright = k % 37 == 5
+    texels = np.zeros((1, n, 3), np.uint8)
+    texels[0, bright] = 255
+    lit = SHINING.replace(emissive_texture=0)
+    mesh = omma.scene.Mesh(
+        corners.reshape(-1, 3),
+        square_of.reshape(-1, 3),
+        texture_coordinates=np.repeat(np.stack([(k + 0.5) / n, 0.5 + 0 * k], 1), 4, 0),
+        material=0,
+    )
+    scene = omma.Scene(
+        meshes=[mesh], materials=[lit], textures=[omma.scene.Texture(omma.Image(texels))]
+    )
+    world = omma.World(scene, light=omma.light.lamps(bands=BANDS, unit="watts"))
+    eye = omma.Eye(np.zeros((bright.sum(), 3)), axes[bright], np.radians(4.0))
+    response = omma.Renderer(world, eye, omma.Fixed(16)).render(np.eye(4))[0, :, 0]
+    solid_sr = 2 * 0.02**2 / 20**2
+    alone = RADIANCE * solid_sr / omma.receptors.solid_angle_sr(np.radians(4.0))
+    np.testing.assert_allclose(response, float(alone), rtol=0.08)
 
 
 def test_a_light_alone_in_the_dark_needs_no_more_rays_than_the_dark():

@@ -27,11 +27,11 @@ OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
   });
 }
 
-// Rays all over the cone about thing number `k` of those in view, `each` for each batch: sums of
+// Rays all over the cone about thing number `aim` of the light's, `each` for each batch: sums of
 // what they bring, weighed, in memory.aimed [batch][output].
 struct ConeRays {
   const AimsInView* seen;
-  int k, each;
+  int aim, each;
 };
 
 OMMA_HD Vec3 cone_direction(const DiscTask& of, std::uint32_t ray) {
@@ -57,13 +57,15 @@ OMMA_HD void leave_out_earlier(const DiscTask& of, const ConeRays& rays,
                                const Vec3 (&direction)[L::count], float (&weight)[L::count]) {
   const SceneView& scene = *of.frame->scene;
   const Vec3 from = vec_of(of.replicate->origin);
-  for (int j = 0; j < rays.k; ++j) {
-    const DiscView earlier = cone_of(scene, scene.light->aims[rays.seen->aim[j]], from);
-    const float apart = sqrtf(of.disc->chord_2) + sqrtf(earlier.chord_2);
-    if (chord_2(vector_of(earlier.direction), of.disc->direction) > 1.01f * apart * apart) continue;
-    for (int l = 0; l < L::count; ++l)
-      if (is_in_cone(earlier, direction[l])) weight[l] = 0;
-  }
+  for_each_in_view(
+      *rays.seen, rays.aim, [&](int j) __attribute__((always_inline)) {
+        const DiscView earlier = cone_of(scene, scene.light->aims[j], from);
+        const float apart = sqrtf(of.disc->chord_2) + sqrtf(earlier.chord_2);
+        if (chord_2(vector_of(earlier.direction), of.disc->direction) > 1.01f * apart * apart)
+          return;
+        for (int l = 0; l < L::count; ++l)
+          if (is_in_cone(earlier, direction[l])) weight[l] = 0;
+      });
 }
 
 // Those from number `begin` on, in a packet; `weight` [lane]: the density of the replicate's own
@@ -150,25 +152,62 @@ OMMA_HD double light_of_rays(const FrameView& frame, const BlockMemory& memory) 
   return least;
 }
 
-// Rays to a thing, for each batch, all scrambles together: by the share that it has of the response
-// at most, and the bound on what it adds. Where it fills two thirds of its cone 8 batches of 2 are
-// off by some 10 % of it, of 8 by 4 %, of 32 by 1.5 %.
-OMMA_HD int rays_to_thing(double share, double most, bool few) {
-  if (share >= 0.1) return most >= 1e-4 ? 32 : 8;
-  if (share >= 0.003 && few) return most >= 0.003 ? 8 : 2;
-  return few || share >= 0.003 ? 2 : 1;
+// Rays to a thing, for each batch, all scrambles together, by the share that it has of the response
+// at most. Where it fills two thirds of its cone 8 batches of 2 are off by some 10 % of it, of 8 by
+// 4 %, of 32 by 1.5 %. With more rays of its own an ommatidium sends as many times more of these.
+OMMA_HD int rays_to_thing(const FrameView& frame, double share, bool few) {
+  int rays = few ? 2 : 1;
+  if (share >= 0.003) rays = few ? 8 : 2;
+  if (share >= 0.1) rays = 32;
+  const int samples = frame.most_samples > 0 ? 16 : frame.directions->samples;
+  if (samples > 16) rays *= samples / 16;
+  // Sets of different scrambles are less even together than one of as many points.
+  const int sets = frame.scrambles > 1 ? frame.scrambles / 2 : 1;
+  return rays > sets ? rays / sets : 1;
+}
+
+// The mean over batches of what trace_cone has summed up in output o.
+OMMA_HD MeanOfEstimates traced(const FrameView& frame, const BlockMemory& memory, int o) {
+  return mean_of_estimates(disc_batches,
+                           [&](int r) { return memory.aimed[r * frame.outputs + o]; });
+}
+
+// By what the mean of sums over the rays of a batch, `each` of them, is what is seen in a cone.
+OMMA_HD double per_sum(const DiscView& cone, int each) {
+  return 1 / (static_cast<double>(cone.density) * each);
+}
+
+// Rays to a thing, for each batch, with which its part of an error that is to be reached would be:
+// 0.4 of it, by what `each` rays found, in the output that needs most. 0: `each` are enough, or all
+// that there may be.
+template <typename L>
+OMMA_HD_CALLED int more_rays(const DiscTask& of, int each, double share,
+                             const BlockMemory& memory) {
+  constexpr double batches = disc_batches;
+  const FrameView& frame = *of.frame;
+  const int largest = frame.most_samples / disc_batches;
+  if (each >= largest) return 0;
+  const double scale = per_sum(*of.disc, each);
+  double more = 1;
+  for (int o = 0; o < frame.outputs; ++o) {
+    const MeanOfEstimates found = traced(frame, memory, o);
+    const double response = fabs(found.mean) * scale / share;
+    const double asked =
+        0.4 * fmax(frame.relative_error * response, frame.error / frame.radiance_unit);
+    const double variance = found.squares * scale * scale / (batches * (batches - 1));
+    if (asked > 0) more = fmax(more, variance / (asked * asked));
+  }
+  if (!(more > 1)) return 0;
+  return more * each < largest ? static_cast<int>(more * each) + 1 : largest;
 }
 
 // Adds what trace_cone has summed up over `each` rays a batch.
 template <typename L>
-OMMA_HD_CALLED void add_traced(const FrameView& frame, const DiscView& cone, int each,
-                               const BlockMemory& memory) {
+OMMA_HD_CALLED void add_traced(const FrameView& frame, double scale, const BlockMemory& memory) {
   const int outputs = frame.outputs;
   constexpr double batches = disc_batches;
-  const double scale = 1 / (static_cast<double>(cone.density) * each);
   for (int o = 0; o < outputs; ++o) {
-    const MeanOfEstimates found =
-        mean_of_estimates(disc_batches, [&](int r) { return memory.aimed[r * outputs + o]; });
+    const MeanOfEstimates found = traced(frame, memory, o);
     memory.beside[o] += found.mean * scale;
     memory.beside_variance[o] += found.squares * scale * scale / (batches * (batches - 1));
     for (int m = 0; frame.beside_moments && m < axis_moments; ++m)
@@ -183,23 +222,24 @@ template <typename L, typename Search>
 OMMA_HD_CALLED void add_aimed(const FrameView& frame, const BlockTask& task,
                               const Replicate& replicate, const AimsInView& seen, Search& search,
                               const BlockMemory& memory) {
-  if (seen.count == 0) return;
-  const SceneView& scene = *frame.scene;
-  const double light = light_of_rays(frame, memory) + static_cast<double>(seen.light);
-  // Sets of different scrambles are less even together than one of as many points.
-  const int sets = frame.scrambles > 1 ? frame.scrambles / 2 : 1;
-  for (int k = 0; k < seen.count; ++k) {
-    const AimView& aim = scene.light->aims[seen.aim[k]];
-    const DiscView cone = cone_of(scene, aim, vec_of(replicate.origin));
-    DiscTask of = look_at(frame, task, replicate, cone);
-    of.hash = mix_bits_32(replicate.hash + 0x2545f491u * static_cast<std::uint32_t>(k + 1));
-    const double most =
-        static_cast<double>(aim.brightest) * most_met<L>(frame, task, replicate, cone);
-    const int needed = rays_to_thing(most / light, most, seen.count <= few_aims);
-    const int each = needed > sets ? needed / sets : 1;
-    trace_cone<L>(of, {&seen, k, each}, search, memory);
-    add_traced<L>(frame, cone, each, memory);
-  }
+  const LightView& light = *frame.scene->light;
+  const double all = light_of_rays(frame, memory) + static_cast<double>(seen.light);
+  for_each_in_view(
+      seen, light.aim_count, [&](int i) __attribute__((always_inline)) {
+        const DiscView cone = cone_of(*frame.scene, light.aims[i], vec_of(replicate.origin));
+        const double share = static_cast<double>(light.aims[i].brightest) *
+                             most_met<L>(frame, task, replicate, cone) / all;
+        DiscTask of = look_at(frame, task, replicate, cone);
+        of.hash = replicate.hash + 0x2545f491u * static_cast<std::uint32_t>(i + 1);
+        int each = 0;
+        for (int next = rays_to_thing(frame, share, seen.count <= few_aims); next > 0;) {
+          each = next;
+          of.hash = mix_bits_32(of.hash);
+          trace_cone<L>(of, {&seen, i, each}, search, memory);
+          next = more_rays<L>(of, each, share, memory);
+        }
+        add_traced<L>(frame, per_sum(cone, each), memory);
+      });
 }
 
 // What eval_beside_rays calls for replicate u: `give(u, o)`, for what its rays bring in output o
@@ -241,7 +281,8 @@ OMMA_HD_CALLED void eval_beside_rays(const FrameView& frame, const BlockTask& ta
       memory.beside_moments[i] = 0;
     const Replicate replicate = replicate_at(replicates, u);
     if (has_discs(frame)) add_eye_discs<L>(frame, task, replicate, search, memory);
-    if (any_in_view) add_aimed<L>(frame, task, replicate, memory.in_view[u], search, memory);
+    if (any_in_view && memory.in_view[u].count > 0)
+      add_aimed<L>(frame, task, replicate, memory.in_view[u], search, memory);
     calls.take(u);
   }
 }

@@ -53,10 +53,9 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
 // the error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
 inline constexpr int disc_batches = 8;
 
-// What a replicate sees of small and bright things, and aims at (aimed_rays.h).
+// What a replicate sees of small and bright things, and aims at (aims_in_view.h).
 struct AimsInView {
-  static constexpr int most = 120;
-  std::uint16_t aim[most];  // numbers in LightView::aims
+  std::uint32_t bits[most_aims / 32];  // which of LightView::aims
   std::int32_t count = 0;
   float light = 0;  // bound on what they add to the response together
 };

@@ -103,10 +103,11 @@ OMMA_HD const float* absorption_before(const SceneView& scene, const RayMedia& m
 }
 
 // The way in a volume of light that comes in where a ray of some lane goes straight out, over the
-// ray's own: of rays that begin within and meet the boundary with this cosine.
+// ray's own: of rays that begin within or have come straight, and meet the boundary with this
+// cosine.
 template <typename L>
 OMMA_HD float bent_way(const RayMedia& media, const LitSurface<L>& surface, int l, float cosine) {
-  if (surface.volume[l] >= 0 || media.came[l] != static_cast<std::int32_t>(Came::from_within))
+  if (surface.volume[l] >= 0 || media.came[l] == static_cast<std::int32_t>(Came::mirrored))
     return 1;
   const float ior = surface.ior[l];
   return cosine / sqrt_lanes(1.0f - (1.0f - cosine * cosine) / (ior * ior));

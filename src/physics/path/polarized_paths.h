@@ -214,6 +214,14 @@ OMMA_HD void lengthen_by_band(const SceneView& scene, PathState<L>& state, const
   for (int k = 0; k < 9; ++k) store(state.mueller[k] + l, largest[k]);
 }
 
+// What goes straight through a sheet of glass, over how much: of each polarisation what its
+// boundary does not reflect, so that sheets in even light leave it even.
+template <typename F>
+OMMA_HD Mueller<F> straight_mueller(const ScatterPoint<F>& point) {
+  const F one = broadcast<F>(1.0f), b = diffuse_polarization(point), c_2 = one - b * b;
+  return {one, b, sqrt_lanes(c_2 > 0.0f ? c_2 : F{})};
+}
+
 // Mueller matrices of paths that have gone on by a sample, of the lanes from l on, and the
 // reference axes of their new rays.
 template <typename L, typename Search>
@@ -245,14 +253,19 @@ OMMA_HD void lengthen_matrices(const Flight<L, Search>& flight, const Scattering
   const FrameTurn<F> turn = frame_turn(own, across, s);
   const auto is_mirrored = is_coat || is_metal || is(Lobe::dielectric) || lobe == refracted;
   const auto is_straight = is(Lobe::straight) || lobe == let_by;
+  const auto is_glass = is(Lobe::straight);
+  const Mueller<F> let_through = straight_mueller(points.point[l / L::width]);
+  const FrameTurn<F> turn_back{turn.cosine, 0.0f - turn.sine};
   const auto lengthen = [&](const Mueller3<F>& before, const Mueller<F>& by_mirror,
                             const auto& keep_at) {
     const Mueller3<F> mirrored = before * turn * by_mirror;
     const Mueller3<F> diffuse = depolarized(before, leaving);
+    const Mueller3<F> straight = before * turn * let_through * turn_back;
     for (int k = 0; k < 9; ++k) {
       const int r = k / 3, q = k % 3;
       const F scattered = is_mirrored ? mirrored.m[r][q] : diffuse.m[r][q];
-      keep_at(k, is_straight ? before.m[r][q] : scattered);
+      const F on = is_glass ? straight.m[r][q] : before.m[r][q];
+      keep_at(k, is_straight ? on : scattered);
     }
   };
   if (memory.mueller == nullptr) {

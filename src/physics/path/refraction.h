@@ -33,8 +33,10 @@ OMMA_HD_CALLED void make_boundary_point(const Flight<L, Search>& flight,
     const F n = load<F>(surface.ior + l);
     const F cos_2 = one - n * n * (one - point.o.z * point.o.z);
     const F cosine = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
+    const auto is_total = !(cos_2 > 0.0f);
     const F albedo =
-        point.dielectric * eval_albedo(point.albedo_tables, point.boundary.row, cosine);
+        point.dielectric *
+        (is_total ? one : eval_albedo(point.albedo_tables, point.boundary.row, cosine));
     // Of what gets through, the part that the base scatters.
     const F let_in = one - point.dielectric_albedo;
     const F more = (one - albedo) / (let_in > 1e-3f ? let_in : broadcast<F>(1e-3f));
@@ -43,6 +45,13 @@ OMMA_HD_CALLED void make_boundary_point(const Flight<L, Search>& flight,
     point.ior = within ? one / n : point.ior;
     point.dielectric_albedo = within ? albedo : point.dielectric_albedo;
     point.straight = within && bends ? load<F>(surface.transmission + l) : point.straight;
+    // Rays that begin within are mirrored as by a smooth boundary, and as much as by this one:
+    // facets would lose light that is mirrored more than once.
+    const F smooth = mueller_of(fresnel_dielectric(point.o.z, one / n)).a;
+    const auto is_mirror = within && !bends && point.boundary.alpha > microfacet_alpha(F{});
+    point.boundary.alpha = is_mirror ? microfacet_alpha(F{}) : point.boundary.alpha;
+    point.dielectric =
+        is_mirror ? albedo / (smooth > 1e-6f ? smooth : broadcast<F>(1e-6f)) : point.dielectric;
     point.dielectric = within && bends ? F{} : point.dielectric;
   }
   const F scale = radiance_scale(surface, flight.memory.media, l, scattering.bends);
@@ -86,20 +95,35 @@ OMMA_HD_CALLED void refract_rays(const Flight<L, Search>& flight, const Scatteri
         points.bends.at(l) && (is(Lobe::straight) || (is(Lobe::dielectric) && is_within));
     if (!any_lane(is_asked)) continue;
 
-    const Vector3<F> d = p.direction, n = sample_facets(flight, p, l);
+    const Vector3<F> d = p.direction;
+    Vector3<F> n = sample_facets(flight, p, l);
     const F one = broadcast<F>(1.0f), per_ior = one / p.ior;
-    const F cosine = size_of_cosine(dot(d, n));
-    const F cos_2 = one - (one - cosine * cosine) * (per_ior * per_ior);
-    const F beyond = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
-    const Vector3<F> bent = normalize(d * per_ior + n * (cosine * per_ior - beyond));
-    const Vector3<F> mirrored = normalize(d + n * (2.0f * cosine));
-    const Amplitudes<F> r = fresnel_dielectric(cosine, p.ior);
-    const Mueller<F> mirror = mueller_of(r);
     const F chance = choose<L>(flight.packet, flight.state, l, Choice::light).x;
-    const auto reflects = is_asked && is_within && (chance < mirror.a || !(cos_2 > 0.0f));
+    F cosine, cos_2, side;
+    Vector3<F> bent, mirrored;
+    Mueller<F> mirror;
+    Amplitudes<F> r;
+    auto reflects = is_asked && is_within;
+    const auto turn = [&]() __attribute__((always_inline)) {
+      cosine = size_of_cosine(dot(d, n));
+      cos_2 = one - (one - cosine * cosine) * (per_ior * per_ior);
+      const F beyond = sqrt_lanes(cos_2 > 0.0f ? cos_2 : F{});
+      bent = normalize(d * per_ior + n * (cosine * per_ior - beyond));
+      mirrored = normalize(d + n * (2.0f * cosine));
+      r = fresnel_dielectric(cosine, p.ior);
+      mirror = mueller_of(r);
+      reflects = is_asked && is_within && (chance < mirror.a || !(cos_2 > 0.0f));
+      side = dot(select(reflects, mirrored, bent), p.geometric_normal);
+      return is_asked && (reflects ? side : 0.0f - side) <= 0.0f;
+    };
+    auto is_lost = turn();
+    // What a facet sends to the wrong side meets others before it leaves: as from the surface's own
+    // normal, so that nothing is lost.
+    if (any_lane(is_lost)) {
+      n = select(is_lost, p.normal, n);
+      is_lost = turn();
+    }
     const auto bends = is_asked && !reflects;
-    const F side = dot(select(reflects, mirrored, bent), p.geometric_normal);
-    const auto is_lost = is_asked && (reflects ? side : 0.0f - side) <= 0.0f;
 
     const auto set = [&](float* at, auto which, F value) {
       store(at, which ? value : load<F>(at));

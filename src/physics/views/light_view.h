@@ -75,14 +75,16 @@ struct EmissiveView {
   const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
 };
 
-// Something small and bright besides discs: the mirror image of one, or a piece of a surface that
-// shines.
+// Something small and bright that ommatidia aim at: a piece of a surface that shines, or a disc as
+// a plane mirror shows it, or as it is seen through a volume.
 struct AimView {
-  Vec3 centre;                 // a unit direction, or a place in the mesh of `instance`, m
-  float chord_2 = 0;           // of a direction's rim, as of DiscView
-  float radius_m = 0;          // about a place, where the instance's largest scale is 1
-  std::int32_t instance = -1;  // of the scene; -1: a direction
-  float brightest = 0;         // bound on its mean radiance, of the brightest band
+  // Of a piece its middle in the mesh of `instance`, m; of a mirror two directions in its plane.
+  Vec3 centre, across;
+  float radius_m = 0;  // of a piece, where the instance's largest scale is 1
+  float chord_2 = 0;   // of an image's rim, as of DiscView
+  std::int32_t instance = -1,
+               disc = -1;  // of the scene, -1: a disc itself; of LightView, -1: a piece
+  float brightest = 0;     // bound on its mean radiance, of the brightest band
 };
 
 // omma::CloudShadow, as places are given to lamps.
@@ -93,6 +95,9 @@ struct CloudShadowView {
   float per_m = 0;                        // nodes
   float first_column = 0, first_row = 0;  // of the origin
 };
+
+// As many as AimsInView has bits for.
+inline constexpr std::int32_t most_aims = 1024;
 
 struct LightView {
   std::int32_t bands = 0;
@@ -114,8 +119,9 @@ struct LightView {
   const std::int32_t* emissive_of_instance = nullptr;  // [instance of the scene], -1: none
   std::int32_t emissive_count = 0;
 
-  const AimView* aims = nullptr;  // aimed_rays.h
-  std::int32_t aim_count = 0;
+  const AimView* aims = nullptr;  // aims_in_view.h
+  std::int32_t aim_count = 0;     // most_aims at most
+  float least_aimed = 0;          // what adds less is left to rays, beside light from afar
 
   // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
   float far_probability = 0, lamp_probability = 0, emissive_probability = 0;
