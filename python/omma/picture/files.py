@@ -90,8 +90,8 @@ def save_png(path: PathLike, pixels: NDArray[np.uint8]) -> None:
     if found.dtype.kind == "f":
         raise Error(
             "pixels: expected uint8 of shape (height, width, 3 or 4), found "
-            f"{found.dtype} of shape {found.shape}; omma.picture.display(pixels) makes uint8 of linear colours "
-            "(height, width, 3)"
+            f"{found.dtype} of shape {found.shape}; "
+            "omma.picture.display(pixels) makes uint8 of linear colours (height, width, 3)"
         )
     _core.save_png(expect_local(path, "a picture by save_png"), pixels)
 

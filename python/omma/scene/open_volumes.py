@@ -30,7 +30,8 @@ def tell_of_open_volumes(scene: Scene, lighting: Lighting | None) -> None:
             warn_caller(
                 f'material "{material.name}": thickness_m above 0 says that its surface bounds a '
                 "volume, but it is open at the back, so that all behind it counts as within: "
-                "expected a closed mesh, such as a block, or thickness_m=0, a thin pane (docs/materials.md)",
+                "expected a closed mesh, such as a block, or thickness_m=0, a thin pane "
+                "(docs/materials.md)",
                 UserWarning,
             )
 
