@@ -91,6 +91,13 @@ def test_one_word(tmp_path, run_omma):
     assert picture.min() == 0
 
 
+def test_bands_below_400_nm_ask_with_a_reason_that_fits_lamps():
+    light = omma.light.lamps(bands=omma.light.Bands.equal(16, 300, 700))
+    with pytest.raises(omma.Error, match=r"ultraviolet: .*lamps and surfaces shine there") as error:
+        omma.World(room(LAMP), light=light)
+    assert "%" not in str(error.value)
+
+
 def test_white_is_a_sheet_half_the_room_away():
     world = omma.World(room(LAMP), light=omma.light.lamps(), depth=1)
     expected = CANDELAS / AWAY_M**2 / np.pi

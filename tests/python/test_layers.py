@@ -216,6 +216,8 @@ def test_what_is_refused():
         ([(100, [[500, 1.5], [400, 1.5]])], "layers[0] index: expected 2 or more wavelengths"),
         ([(100, [[400, 1.5], [500, -1]])], "layers[0] index: expected n and k"),
         ([(100, 1.5, 2)], "layers[0]: expected a thickness and an index, found 3"),
+        ([(80, 1.5), (1.5, 80)], "layers[1]: expected a thickness in nm and then an index"),
+        ([(1.5, 120)], "found 1.5 nm and an index of 120: the other way round"),
     ):
         with pytest.raises(omma.Error) as error:
             LayerStack(layers)
@@ -241,6 +243,12 @@ def test_fringes_that_are_finer_than_a_table_are_told(thickness_nm, is_told):
         film.boundary()
     assert any("129 cosines" in str(one.message) for one in told) == is_told
     assert any("wavelengths" in str(one.message) for one in told) == is_told
+
+
+def test_thin_layers_of_metal_are_no_pairs_the_other_way_round():
+    at_10_um = LayerStack([(5, 11 + 70j)], substrate=1.5).mueller(10_000, 0)[0, 0, 0]
+    assert at_10_um > 0.5
+    assert LayerStack([(5, [[400, 11], [500, 12]])]).mueller(450, 0)[0, 0, 0] > 0
 
 
 def test_metres_and_micrometres_are_no_thickness():

@@ -149,7 +149,7 @@ def test_responses_of_a_render_can_be_painted(renderer, flight, tmp_path):
         (lambda e: omma.picture.paint([[0]], np.zeros((60, 4))), r"responses: .*\(N, 3\)"),
         (
             lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2, 3))),
-            "pixels: expected uint8.*float64",
+            r"pixels: expected uint8.*float64.*omma\.picture\.display",
         ),
         (lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2), np.uint8)), "pixels"),
         (lambda e: omma.save_png("no/such/x.png", np.zeros((2, 2, 3), np.uint8)), "no/such/x.png"),

@@ -29,6 +29,7 @@ def bands_to_rgb(
     A white matt surface on level ground has luminance 1 in that light, and the colour of the light
     itself: nobody's adaptation is assumed. Colours that no screen has come out below 0. The colour
     matching functions are the fits of Wyman, Sloan and Shirley (JCGT 2(2), 2013).
+    `omma.picture.display` makes of a picture what `omma.save_png` takes.
 
     Args:
         radiance: (..., B), in the light's bands and unit, as a world that is lit by it is seen.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma import _core
+from omma._core import Error
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked
 from omma.base.files import PathLike, WholeFiles, check_ending, check_target
@@ -78,12 +79,20 @@ class PngWriter:
 def save_png(path: PathLike, pixels: NDArray[np.uint8]) -> None:
     """Write 8-bit pixels (height, width, 3 or 4), row 0 at the top, as a PNG file.
 
-    It is written under another name and renamed, so that no half of a file is left.
+    It is written under another name and renamed, so that no half of a file is left. Linear
+    colours, such as those of `omma.picture.bands_to_rgb`, go through `omma.picture.display` first.
 
     Raises:
         omma.Error: the pixels or the path do not do.
     """
     check_ending(path, ".png")
+    found = np.asarray(pixels)
+    if found.dtype.kind == "f":
+        raise Error(
+            "pixels: expected uint8 of shape (height, width, 3 or 4), found "
+            f"{found.dtype} of shape {found.shape}; "
+            "omma.picture.display(pixels) makes uint8 of linear colours (height, width, 3)"
+        )
     _core.save_png(expect_local(path, "a picture by save_png"), pixels)
 
 

@@ -36,6 +36,9 @@ _STEP_NM = 2.0
 _FINE, _EACH_TRIED = 0.01, 8
 _BAND_NM, _STEEP_DEG = 25.0, 80
 _LEAST_NM, _MOST_NM = 0.5, 1e5  # of the thickest layer: two atoms
+# No clear matter has an index above this, and no layer that shines is thinner than so many nm: both
+# together are a pair the wrong way round.
+_SWAPPED = 10.0
 _MOST_SPREAD = 0.2
 # Of |n + ik|, and wavelengths: wider than those of any matter and light that animals see.
 _SIZES = (0.01, 100)
@@ -72,7 +75,7 @@ class LayerStack:
 
     Raises:
         omma.Error: thicknesses that are not 0 to 100,000 nm, indices with a part below 0 or of a
-            size that is not 0.01 to 100, a spread out of range.
+            size that is not 0.01 to 100, pairs the other way round, a spread out of range.
 
     Example:
         >>> film = omma.scene.LayerStack([(200, 1.55)], substrate=1.0)
@@ -99,6 +102,11 @@ class LayerStack:
             if len(pair) != 2:
                 raise Error(f"layers[{i}]: expected a thickness and an index, found {len(pair)}")
             thickness = within(pair[0], f"layers[{i}] thickness", 0, _MOST_NM)
+            if thickness < _SWAPPED and isinstance(pair[1], numbers.Real) and pair[1] > _SWAPPED:
+                raise Error(
+                    f"layers[{i}]: expected a thickness in nm and then an index, found "
+                    f"{thickness:g} nm and an index of {float(pair[1]):g}: the other way round"
+                )
             made.append((thickness, _checked_index(pair[1], f"layers[{i}] index")))
         thickest = max((thickness for thickness, _ in made), default=0.0)
         if 0 < thickest < _LEAST_NM:

@@ -230,16 +230,21 @@ def _asking(scene: Scene, left: list[int], light: Light) -> str:
     bands = light.bands
     below = (bands.weight * (bands.wavelength_nm < 400)).sum(axis=1)
     fallen = sum(light.irradiance()) * bands.widths_nm
-    share = float((fallen * below).sum() / max(fallen.sum(), 1e-300))
+    if fallen.sum() > 0:
+        reach = f"{float((fallen * below).sum() / fallen.sum()):.1%} of this light is below 400 nm"
+    else:
+        reach = (
+            "This light sends down nothing itself, but has bands below 400 nm: lamps and surfaces "
+            "shine there by spectra of their own"
+        )
     told = ", ".join(names[:_NAMES_TOLD])
     more = f" and {len(names) - _NAMES_TOLD} more" if len(names) > _NAMES_TOLD else ""
     return (
         "ultraviolet: expected what surfaces reflect below 400 nm, such as "
         'ultraviolet="dark" (nothing), or a light of visible bands alone '
         "(bands=omma.light.Bands.equal(12, 400, 700), among the words of a light bands=visible). "
-        f"{share:.1%} of this light is below 400 nm, of which RGB says nothing, and of "
-        f"{len(names)} materials only RGB is known, or a spectrum that does not reach as far down "
-        f"as the light: {told}{more}. Or say "
+        f"{reach}, of which RGB says nothing, and of {len(names)} materials only RGB is known, or "
+        f"a spectrum that does not reach as far down as the light: {told}{more}. Or say "
         'ultraviolet="as_blue", a reflectance such as ultraviolet=0.02 (leaves) or, in Python, a '
         "mapping by name; or give materials spectra (docs/materials.md). "
         "omma.rendering.ultraviolet_dependence tells by how much responses depend on it"

@@ -29,6 +29,7 @@ from omma.scene.lighting import (
     tell_of_making,
     tell_of_splats,
 )
+from omma.scene.open_volumes import tell_of_open_volumes
 from omma.scene.rig_parts import RigParts
 from omma.scene.without_light import tell_without_light
 from omma.scene.world_changes import Changes
@@ -104,8 +105,9 @@ class World:
 
     Warns:
         UserWarning: triangles are lit by probes, as cells have no room, or what was baked cannot be
-            kept; surfaces that emit vanish beside the rest of the light; there is a card that is
-            left alone; or a background's picture is negative or looks like one in 8 bits.
+            kept; surfaces that emit vanish beside the rest of the light; glass with a thickness is
+            no closed mesh; there is a card that is left alone; or a background's picture is
+            negative or looks like one in 8 bits.
     """
 
     @checked
@@ -163,6 +165,7 @@ class World:
                 check_radiance(image.pixels[..., :3], f"images[{number_of_image}]")
         tell_of_emission(scene, given)
         tell_of_splats(scene, given)
+        tell_of_open_volumes(scene, given)
         self._baked: BakedInfo | None = None
         self._places_when_baked: dict[int, NDArray[np.float64]] = {}
         arguments = None if given is None else given.light_arguments(scene)
@@ -237,6 +240,8 @@ class World:
         other._lighting = given
         tell_of_emission(self._scene, given)
         tell_of_splats(self._scene, given)
+        if self._lighting is None:
+            tell_of_open_volumes(self._scene, given)
         arguments = given.light_arguments(self._scene)
         other._engine = self._engine.with_lighting(given.for_engine(arguments))
         other._bake(arguments, progress)
