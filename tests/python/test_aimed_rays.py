@@ -171,7 +171,7 @@ def test_an_error_is_reached_at_the_image() -> None:
     eye = eye_of(towards_image(0.0), 5.0, 100)
     sampling = omma.ToError(relative_error=0.05)
     _, report = omma.Renderer(pond(sun_ahead()), eye, sampling).render(np.eye(4), report=True)
-    assert report.reached.all()
+    assert len(report.missed) == 0
 
 
 def test_the_image_follows_its_mirror() -> None:
