@@ -1,5 +1,5 @@
-"""Energy that rough boundaries of volumes keep, and what tinted panes leave of light that comes
-straight through them: white furnaces and closed forms.
+"""Energy that boundaries of glass and water keep, rough ones and several behind each other, and
+what tinted panes leave of light: white furnaces and closed forms.
 """
 
 import numpy as np
@@ -93,3 +93,34 @@ def test_the_sun_through_a_tinted_pane(through, elevation_deg):
     assert response[0, 0, 0] == pytest.approx(
         expected, abs=4 * error[0, 0, 0] + 0.02 * expected + 0.0001 * unshaded
     )
+
+
+@pytest.mark.parametrize("panes", [1, 2, 3])
+@pytest.mark.parametrize("kind", ["thin", "frosted", "solid"])
+def test_panes_in_even_light_leave_it_even_and_unpolarised(kind, panes):
+    """As thermodynamics asks: what a pane mirrors of each polarisation it does not let through."""
+    thin = Material(
+        base_color=(1, 1, 1), ior=1.5, roughness=0.5 if kind == "frosted" else 0, transmission=1,
+        double_sided=True,
+    )  # fmt: skip
+    solid = Material(base_color=(1, 1, 1), ior=1.5, roughness=0, transmission=1, thickness_m=0.05)
+    a = np.radians([0, 50, 70, 80])
+    axes = np.stack([np.sin(a), 0 * a, -np.cos(a)], -1)
+    eye = omma.Eye(np.zeros((4, 3)), axes, np.radians(1.0))
+    scene = omma.scene.merge_scenes(
+        [
+            omma.scene.box((60, 60, 0.05), center_m=(0, 0, z)).replace(materials=[solid])
+            if kind == "solid"
+            else omma.scene.plane((60, 60), center_m=(0, 0, z), facing=(0, 0, 1)).replace(
+                materials=[thin]
+            )
+            for z in -1 - 0.2 * np.arange(panes)
+        ]
+    )
+    world = omma.World(scene, light=EVEN, polarized=True)
+    stokes, error = omma.Renderer(world, eye, omma.Fixed(1024)).render_stokes(
+        np.eye(4), standard_error=True
+    )
+    even = np.broadcast_to([1.0, 0.0, 0.0], (4, 3))
+    # Beside noise, what paths lose that end after many panes.
+    assert np.all(np.abs(stokes[0, :, :, 0] - even) < 4 * error[0, :, :, 0] + 0.005)
