@@ -16,8 +16,9 @@
 namespace omma {
 namespace {
 
-// Of scenes full of small mirrors the first so many count; others are found by rays.
-constexpr std::size_t most_mirrors = 64;
+// Of scenes full of small mirrors the first so many count, of images the brightest; others are
+// found by rays.
+constexpr std::size_t most_mirrors = 64, most_images = 128;
 
 // Meshes of more triangles or pieces, as of ground that glows, are one piece.
 constexpr std::size_t most_divided_triangles = 2'000'000, most_pieces = 100'000;
@@ -269,8 +270,12 @@ std::vector<AimView> make_aims(const LightData& data, const Scene& scene, const 
   std::vector<AimView> aims;
   const std::vector<Mirror> mirrors =
       data.discs.empty() ? std::vector<Mirror>{} : find_mirrors(scene, placement, view);
-  for (std::size_t d = 0; d < data.discs.size() && aims.size() < most_aims / 2; ++d)
+  for (std::size_t d = 0; d < data.discs.size(); ++d)
     add_images(data, d, mirrors, view.has_volumes, aims);
+  std::stable_sort(aims.begin(), aims.end(), [](const AimView& a, const AimView& b) {
+    return a.brightest * a.chord_2 > b.brightest * b.chord_2;
+  });
+  aims.resize(std::min(aims.size(), most_images));
   add_shining(data, scene, placement, view, aims);
   return aims;
 }
