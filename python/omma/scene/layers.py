@@ -102,7 +102,11 @@ class LayerStack:
             if len(pair) != 2:
                 raise Error(f"layers[{i}]: expected a thickness and an index, found {len(pair)}")
             thickness = within(pair[0], f"layers[{i}] thickness", 0, _MOST_NM)
-            if thickness < _SWAPPED and isinstance(pair[1], numbers.Real) and pair[1] > _SWAPPED:
+            if (
+                thickness < _SWAPPED
+                and isinstance(pair[1], numbers.Real)
+                and float(pair[1]) > _SWAPPED
+            ):
                 raise Error(
                     f"layers[{i}]: expected a thickness in nm and then an index, found "
                     f"{thickness:g} nm and an index of {float(pair[1]):g}: the other way round"

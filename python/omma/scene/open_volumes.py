@@ -9,6 +9,7 @@ sum points up, and what lies in the water is the scene's.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from omma._core import Scene
 from omma.base.arrays import Floats
@@ -56,10 +57,10 @@ def _is_open(scene: Scene, material: int) -> bool:
     return bool(lacks and total[1] < _LIES * size)
 
 
-def _areas(positions_m: Floats, triangles: Floats, world_from_mesh: Floats) -> Floats:
+def _areas(positions_m: ArrayLike, triangles: ArrayLike, world_from_mesh: ArrayLike) -> Floats:
     """Twice the area times the normal of the front of each triangle, (T, 3)."""
     matrix = np.asarray(world_from_mesh, np.float64)[:3, :3]
-    corners = (np.asarray(positions_m, np.float64) @ matrix.T)[triangles]
+    corners = (np.asarray(positions_m, np.float64) @ matrix.T)[np.asarray(triangles)]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     # glTF: a mirrored mesh turns its triangles round.
     return np.asarray(across * np.sign(np.linalg.det(matrix)))
