@@ -1,5 +1,5 @@
-// Mirror images of discs, one for each disc and each direction that smooth flat surfaces face;
-// spheres about surfaces that shine, one for each piece of a mesh that hangs together.
+// Images of discs, one for each disc and each smooth flat surface; spheres about surfaces that
+// shine, one for each piece of a mesh that hangs together.
 #include "backend/light_aims.h"
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 namespace omma {
 namespace {
 
-// Of scenes full of small mirrors the first so many count, of images the brightest; others are
-// found by rays.
+// Of scenes full of small mirrors so many count, first those that each face elsewhere, of images
+// the brightest; others are found by rays.
 constexpr std::size_t most_mirrors = 64, most_images = 128;
 
 // Meshes of more triangles or pieces, as of ground that glows, are one piece.
@@ -96,27 +96,34 @@ double solid_of(double radius_rad) {
 struct Mirror {
   std::int32_t instance;
   Plane plane;
-  double spread_rad;
-  bool is_first;  // that faces there
+  double spread_rad;  // the largest of those that face there
 };
 
 std::vector<Mirror> find_mirrors(const Scene& scene, const Placement& placement,
                                  const SceneView& view) {
-  std::vector<Mirror> mirrors;
-  for (std::size_t i = 0; i < scene.instances.size() && mirrors.size() < most_mirrors; ++i) {
+  // What faces where others do counts once it is turned.
+  std::vector<Mirror> mirrors, others;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const auto mesh = static_cast<std::size_t>(scene.instances[i].mesh);
     const std::int32_t material = scene.meshes[mesh].material;
     if (material < 0 || !is_mirror(scene.materials[static_cast<std::size_t>(material)])) continue;
     const std::optional<Plane> plane = plane_of(scene, placement, view, i);
     if (!plane) continue;
-    const bool is_known = std::any_of(mirrors.begin(), mirrors.end(), [&](const Mirror& known) {
+    const Mirror mirror{static_cast<std::int32_t>(i), *plane,
+                        spread_rad(scene.materials[static_cast<std::size_t>(material)])};
+    const auto same = std::find_if(mirrors.begin(), mirrors.end(), [&](const Mirror& known) {
       return length(cross(known.plane.facing, plane->facing)) < flat_rad;
     });
-    mirrors.push_back({static_cast<std::int32_t>(i), *plane,
-                       spread_rad(scene.materials[static_cast<std::size_t>(material)]), !is_known});
+    if (same != mirrors.end()) {
+      same->spread_rad = std::max(same->spread_rad, mirror.spread_rad);
+      if (others.size() < most_mirrors) others.push_back(mirror);
+    } else if (mirrors.size() < most_mirrors) {
+      mirrors.push_back(mirror);
+    }
   }
-  // What faces where others do counts once it is turned.
-  std::stable_partition(mirrors.begin(), mirrors.end(), [](const Mirror& m) { return m.is_first; });
+  const std::size_t room = most_mirrors - mirrors.size();
+  others.resize(std::min(others.size(), room));
+  mirrors.insert(mirrors.end(), others.begin(), others.end());
   return mirrors;
 }
 
@@ -165,25 +172,26 @@ std::vector<Piece> pieces_of(const Mesh& mesh, const float* sum) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
-  std::map<std::array<float, 3>, std::uint32_t> first_at;
+  const auto at = [&](std::uint32_t v) {
+    const Vec3& p = mesh.positions[v];
+    return std::array{p.x, p.y, p.z};
+  };
+  std::vector<std::uint32_t> order = parent;
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); });
+  for (std::size_t k = 1; k < vertices; ++k)
+    if (at(order[k]) == at(order[k - 1])) parent[root_of(order[k])] = root_of(order[k - 1]);
   for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) {
-      const Vec3& p = mesh.positions[v];
-      const std::uint32_t same = first_at.try_emplace({p.x, p.y, p.z}, v).first->second;
-      parent[root_of(v)] = root_of(same);
-      parent[root_of(v)] = root_of(triangle[0]);
-    }
+    for (const std::uint32_t v : triangle) parent[root_of(v)] = root_of(triangle[0]);
   std::map<std::uint32_t, Piece> of_root;
   std::vector<char> is_known(vertices, 0);
   for (std::size_t t = 0; t < triangles; ++t) {
     const auto& triangle = mesh.triangles[t];
     Piece& piece = of_root[root_of(triangle[0])];
     if (of_root.size() > most_pieces) return {whole};
-    const auto at = [&](int k) {
-      return to_double(mesh.positions[triangle[static_cast<std::size_t>(k)]]);
-    };
+    const auto corner = [&](std::size_t k) { return to_double(mesh.positions[triangle[k]]); };
     piece.share += static_cast<double>(sum[t + 1] - sum[t]);
-    piece.area_m2 += length(cross(at(1) - at(0), at(2) - at(0))) / 2;
+    piece.area_m2 += length(cross(corner(1) - corner(0), corner(2) - corner(0))) / 2;
     for (const std::uint32_t v : triangle)
       if (!std::exchange(is_known[v], char{1})) piece.vertices.push_back(v);
   }
@@ -194,14 +202,21 @@ std::vector<Piece> pieces_of(const Mesh& mesh, const float* sum) {
 
 // What the surfaces of a mesh that shines are divided into.
 struct Pieces {
-  std::vector<Piece> all;
-  double brightest = 0;  // the largest share over area
+  std::vector<Piece> most;  // those that send most, in order, as many as may be aimed at
+  double brightest = 0;     // the largest share over area of all
 };
+
+double brightness(const Piece& piece) {
+  return piece.share / std::max(piece.area_m2, 1e-300);
+}
 
 Pieces divide(const Mesh& mesh, const float* sum) {
   Pieces pieces{pieces_of(mesh, sum)};
-  for (const Piece& piece : pieces.all)
-    pieces.brightest = std::max(pieces.brightest, piece.share / std::max(piece.area_m2, 1e-300));
+  for (const Piece& piece : pieces.most)
+    pieces.brightest = std::max(pieces.brightest, brightness(piece));
+  std::stable_sort(pieces.most.begin(), pieces.most.end(),
+                   [](const Piece& a, const Piece& b) { return a.share > b.share; });
+  if (pieces.most.size() > most_aims) pieces.most.resize(most_aims);
   return pieces;
 }
 
@@ -226,12 +241,15 @@ AimView about(const Piece& piece, const EmissiveView& emissive, const MeshView& 
 void add_shining(const LightData& data, const Scene& scene, const Placement& placement,
                  const SceneView& view, std::vector<AimView>& aims) {
   struct Shining {
+    double power;
     std::size_t emissive;
     const Piece* piece;
-    double power;
   };
+  const auto sends_more = [](const Shining& a, const Shining& b) { return a.power > b.power; };
+  const std::size_t room = static_cast<std::size_t>(most_aims) - aims.size();
   std::map<std::int32_t, Pieces> pieces_of_mesh;
   std::vector<Shining> found;
+  double least = 0;
   for (std::size_t e = 0; e < data.emissive.size(); ++e) {
     const EmissiveView& emissive = data.emissive[e];
     const auto [known, is_new] = pieces_of_mesh.try_emplace(emissive.mesh);
@@ -239,11 +257,17 @@ void add_shining(const LightData& data, const Scene& scene, const Placement& pla
       known->second =
           divide(scene.meshes[static_cast<std::size_t>(emissive.mesh)], emissive.triangle_sum);
     const auto chosen = static_cast<double>(data.emissive_sum[e + 1] - data.emissive_sum[e]);
-    for (const Piece& piece : known->second.all) found.push_back({e, &piece, chosen * piece.share});
+    for (const Piece& piece : known->second.most) {
+      if (!(chosen * piece.share > least)) break;
+      found.push_back({chosen * piece.share, e, &piece});
+    }
+    // Never many more than there is room for, however often a mesh of many pieces is there.
+    if (found.size() < 2 * room && e + 1 < data.emissive.size()) continue;
+    std::stable_sort(found.begin(), found.end(), sends_more);
+    if (found.size() <= room) continue;
+    found.resize(room);
+    least = found.back().power;
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Shining& a, const Shining& b) { return a.power > b.power; });
-  found.resize(std::min(found.size(), static_cast<std::size_t>(most_aims) - aims.size()));
   for (const Shining& shining : found) {
     const EmissiveView& emissive = data.emissive[shining.emissive];
     const MeshView& mesh = view.meshes[emissive.mesh];
@@ -254,11 +278,10 @@ void add_shining(const LightData& data, const Scene& scene, const Placement& pla
       brightest = std::max(brightest, matrix[3 * b] * factor.x + matrix[3 * b + 1] * factor.y +
                                           matrix[3 * b + 2] * factor.z);
     const Piece& piece = *shining.piece;
-    const double density = piece.share / std::max(piece.area_m2, 1e-300),
-                 of_mesh = pieces_of_mesh[emissive.mesh].brightest;
+    const double of_mesh = pieces_of_mesh[emissive.mesh].brightest;
     AimView aim = about(piece, emissive, mesh,
                         placement.world_from_mesh[static_cast<std::size_t>(emissive.instance)]);
-    aim.brightest = brightest * static_cast<float>(of_mesh > 0 ? density / of_mesh : 1);
+    aim.brightest = brightest * static_cast<float>(of_mesh > 0 ? brightness(piece) / of_mesh : 1);
     aims.push_back(aim);
   }
 }

@@ -193,6 +193,27 @@ def test_the_image_follows_its_mirror() -> None:
     assert np.std(of[0] / of[0].mean()) < 0.1
 
 
+def test_a_mirror_is_not_lost_among_tiles() -> None:
+    """A wall that mirrors the sun, behind 100 level tiles, of which the first is smoother."""
+    sun = Disc((0.0, np.sin(0.3), np.cos(0.3)), RADIUS_RAD, [RADIANCE])
+    metal = plate(metallic=1.0, base_color=(1, 1, 1))
+    tiles = [
+        omma.scene.plane((0.1, 0.1), center_m=(0.2 * k, -1, 9), facing=(0, 1, 0)).replace(
+            materials=[metal if k == 0 else metal.replace(roughness=0.05)]
+        )
+        for k in range(100)
+    ]
+    wall = omma.scene.plane((6, 6), center_m=(0, 0, -2), facing=(0, 0, 1)).replace(
+        materials=[metal]
+    )
+    world = omma.World(
+        omma.scene.merge_scenes([*tiles, wall]), light=Light(BAND, "watts", discs=[sun])
+    )
+    towards = np.array([0.0, np.sin(0.3), -np.cos(0.3)])
+    found = omma.Renderer(world, eye_of(towards, 3.0, 100), omma.Fixed(16)).render(np.eye(4))
+    assert np.std(found / found.mean()) < 0.1
+
+
 @pytest.mark.parametrize("turned_deg", [0.0, 40.0])
 def test_the_sun_through_a_block_of_glass(turned_deg: float) -> None:
     """Its two faces are parallel: it is where it was, and dimmed by both, (1 - R) / (1 + R)."""

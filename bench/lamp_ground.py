@@ -1,0 +1,80 @@
+"""How far off responses to ground below many lamps are, and what their standard errors say.
+
+.venv/bin/python bench/lamp_ground.py
+
+289 ommatidia of 0.1 deg look at a matt plane below point lamps of 100 cd, 4 m up on a grid of 6 m:
+one render each, beside the sum over all lamps of I cos / d^2. Each shadow ray chooses a lamp by its
+strength alone.
+"""
+
+import platform
+
+import numpy as np
+
+import omma
+
+SPACING_M, UP_M, REFLECTANCE = 6.0, 4.0, 0.5
+
+
+def lamps_on_a_grid(count: int) -> np.ndarray:
+    """Places of lamps, (count, 3), a little off their grid."""
+    side = int(np.ceil(count**0.5))
+    column, row = np.arange(count) % side, np.arange(count) // side
+    off_m = np.random.default_rng(2).uniform(-1, 1, (count, 2))
+    level = (np.stack([column, row], 1) - (side - 1) / 2) * SPACING_M + off_m
+    return np.stack([level[:, 0], np.full(count, UP_M), level[:, 1]], 1)
+
+
+def world_of(places_m: np.ndarray) -> omma.World:
+    lights = []
+    for number, place in enumerate(places_m):
+        world_from_light = np.eye(4)
+        world_from_light[:3, 3] = place
+        lights.append(
+            omma.scene.PunctualLight(
+                f"lamp {number}", intensity=100, world_from_light=world_from_light
+            )
+        )
+    matt = omma.scene.Material(specular=0, base_color=(REFLECTANCE,) * 3)
+    ground = omma.scene.plane((400, 400)).replace(lights=lights, materials=[matt])
+    light = omma.light.lamps(bands=omma.light.Bands.equal(1, 540, 560), unit="watts")
+    return omma.World(ground, light=light, depth=1)
+
+
+def main() -> None:
+    at = np.linspace(-8, 8, 17)
+    places = np.stack(np.meshgrid(at, [0.0], at, indexing="ij"), -1).reshape(-1, 3)
+    axes = places - (0, 1, 0)
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    eye = omma.Eye(np.zeros_like(axes), axes, np.radians(0.1))
+    pose = np.eye(4)
+    pose[1, 3] = 1
+    unit = one_lamp(pose)
+    print(f"{platform.machine()}, {len(eye)} ommatidia, standard errors by 8 times as many rays")
+    print("lamps  rays  off by, rms  claimed, rms  median/true  |z| > 3")
+    for count, samples in ((10, 16), (100, 16), (300, 16), (1000, 16), (300, 64)):
+        lamps = lamps_on_a_grid(count)
+        away = lamps[None] - places[:, None]
+        distance = np.linalg.norm(away, axis=2)
+        true = (away[..., 1] / distance**3).sum(1)
+        response, error = omma.Renderer(world_of(lamps), eye, omma.Fixed(samples)).render(
+            pose, standard_error=True
+        )
+        found, claimed = response[0, :, 0].astype(float), error[0, :, 0].astype(float)
+        off, said = found / (unit * true) - 1, claimed / (unit * true)
+        print(
+            f"{count:5d} {samples:5d} {np.sqrt(np.mean(off**2)):11.1%} "
+            f"{np.sqrt(np.mean(said**2)):12.1%} {np.median(off) + 1:12.3f} "
+            f"{np.mean(np.abs(off) > 3 * said):8.1%}"
+        )
+
+
+def one_lamp(pose: np.ndarray) -> float:
+    """What ground straight below one lamp sends, times the square of its distance."""
+    eye = omma.Eye([[0, 0, 0]], [[0, -1, 0]], np.radians(0.1))
+    world = world_of(np.array([[0.0, UP_M, 0.0]]))
+    return float(omma.Renderer(world, eye, omma.Fixed(64)).render(pose)[0, 0, 0]) * UP_M**2
+
+
+if __name__ == "__main__":
+    main()
