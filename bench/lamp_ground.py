@@ -3,8 +3,7 @@
 .venv/bin/python bench/lamp_ground.py
 
 289 ommatidia of 0.1 deg look at a matt plane below point lamps of 100 cd, 4 m up on a grid of 6 m:
-one render each, beside the sum over all lamps of I cos / d^2. Each shadow ray chooses a lamp by its
-strength alone.
+one render each, beside the sum over all lamps of I cos / d^2.
 """
 
 import platform

@@ -159,13 +159,13 @@ struct Piece {
   double area_m2 = 0;
 };
 
-// The pieces of a mesh, of whose triangles `sum` is the running sum of shares; one where there are
-// too many.
-std::vector<Piece> pieces_of(const Mesh& mesh, const float* sum) {
+// The pieces of a mesh whose triangles send these powers; one where there are too many.
+std::vector<Piece> pieces_of(const Mesh& mesh, const std::vector<double>& powers) {
   const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
   std::vector<std::uint32_t> parent(vertices);
   std::iota(parent.begin(), parent.end(), 0u);
   Piece whole{parent, 1, 1};
+  const double all = std::accumulate(powers.begin(), powers.end(), 0.0);
   if (triangles > most_divided_triangles) return {whole};
   // Union-find; what is at the same place hangs together.
   const auto root_of = [&](std::uint32_t v) {
@@ -190,7 +190,7 @@ std::vector<Piece> pieces_of(const Mesh& mesh, const float* sum) {
     Piece& piece = of_root[root_of(triangle[0])];
     if (of_root.size() > most_pieces) return {whole};
     const auto corner = [&](std::size_t k) { return to_double(mesh.positions[triangle[k]]); };
-    piece.share += static_cast<double>(sum[t + 1] - sum[t]);
+    piece.share += powers[t] / all;
     piece.area_m2 += length(cross(corner(1) - corner(0), corner(2) - corner(0))) / 2;
     for (const std::uint32_t v : triangle)
       if (!std::exchange(is_known[v], char{1})) piece.vertices.push_back(v);
@@ -210,8 +210,8 @@ double brightness(const Piece& piece) {
   return piece.share / std::max(piece.area_m2, 1e-300);
 }
 
-Pieces divide(const Mesh& mesh, const float* sum) {
-  Pieces pieces{pieces_of(mesh, sum)};
+Pieces divide(const Mesh& mesh, const std::vector<double>& powers) {
+  Pieces pieces{pieces_of(mesh, powers)};
   for (const Piece& piece : pieces.most)
     pieces.brightest = std::max(pieces.brightest, brightness(piece));
   std::stable_sort(pieces.most.begin(), pieces.most.end(),
@@ -254,12 +254,12 @@ void add_shining(const LightData& data, const Scene& scene, const Placement& pla
     const EmissiveView& emissive = data.emissive[e];
     const auto [known, is_new] = pieces_of_mesh.try_emplace(emissive.mesh);
     if (is_new)
-      known->second =
-          divide(scene.meshes[static_cast<std::size_t>(emissive.mesh)], emissive.triangle_sum);
-    const auto chosen = static_cast<double>(data.emissive_sum[e + 1] - data.emissive_sum[e]);
+      known->second = divide(scene.meshes[static_cast<std::size_t>(emissive.mesh)],
+                             data.triangle_powers.at(emissive.mesh));
+    const double sent = data.emissive_weight[e];
     for (const Piece& piece : known->second.most) {
-      if (!(chosen * piece.share > least)) break;
-      found.push_back({chosen * piece.share, e, &piece});
+      if (!(sent * piece.share > least)) break;
+      found.push_back({sent * piece.share, e, &piece});
     }
     // Never many more than there is room for, however often a mesh of many pieces is there.
     if (found.size() < 2 * room && e + 1 < data.emissive.size()) continue;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "backend/light_aims.h"
 #include "backend/sky_data.h"
@@ -68,7 +69,8 @@ double sum_of(const std::vector<double>& values) {
 // size away, [band].
 std::vector<double> make_lamps(LightData& data, const Light& light, const Scene& scene,
                                double distance_m) {
-  std::vector<double> sent(light.bands.count(), 0.0), weights;
+  std::vector<double> sent(light.bands.count(), 0.0);
+  data.lamp_distance_m = distance_m;
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const PunctualLight& lamp = scene.lights[i];
     std::vector<double> strength = lamp_strength(light, lamp);
@@ -94,12 +96,22 @@ std::vector<double> make_lamps(LightData& data, const Light& light, const Scene&
       if (!is_far) strength[b] /= distance_m * distance_m;
       sent[b] += strength[b];
     }
-    weights.push_back(sum_of(strength));
+    data.lamp_weight.push_back(sum_of(strength));
   }
   for (std::size_t i = 0; i < data.lamps.size(); ++i)
     data.lamps[i].strength = data.lamp_strength.data() + i * sent.size();
-  data.lamp_sum = running_sum(weights);
   return sent;
+}
+
+// The corners of a triangle in the mesh's own frame.
+std::array<Vec3d, 3> corners_of(const MeshView& view, std::size_t triangle) {
+  std::array<Vec3d, 3> corner;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float* p =
+        view.positions + 3 * static_cast<std::size_t>(view.triangles[3 * triangle + k]);
+    corner[k] = {p[0], p[1], p[2]};
+  }
+  return corner;
 }
 
 // Area times emission, summed over bands, of each triangle in the mesh's own frame. A texture is
@@ -116,11 +128,7 @@ std::vector<double> triangle_powers(const SceneView& scene, std::int32_t mesh,
   const double least = 0.05 * total(factor.x, factor.y, factor.z);
   std::vector<double> powers(triangles);
   parallel_for(std::size_t{0}, triangles, [&](std::size_t t) {
-    Vec3d corner[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float* p = view.positions + 3 * static_cast<std::size_t>(view.triangles[3 * t + k]);
-      corner[k] = {p[0], p[1], p[2]};
-    }
+    const std::array<Vec3d, 3> corner = corners_of(view, t);
     const double area = length(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
     const Color<float> c = emitted_rgb(
         scene, view,
@@ -131,11 +139,48 @@ std::vector<double> triangle_powers(const SceneView& scene, std::int32_t mesh,
   return powers;
 }
 
+// Places on a triangle, chosen evenly, vary by a twelfth of its corners' squared distances from its
+// middle, summed.
+LightTree make_triangle_tree(const MeshView& view, const std::vector<double>& powers) {
+  std::vector<TreeLight> lights(powers.size());
+  parallel_for(std::size_t{0}, powers.size(), [&](std::size_t t) {
+    const std::array<Vec3d, 3> corner = corners_of(view, t);
+    const Vec3d middle = (corner[0] + corner[1] + corner[2]) * (1.0 / 3);
+    TreeLight& light = lights[t] = tree_light(middle, powers[t]);
+    for (const Vec3d& at : corner) {
+      light.box = box_around(light.box, {at, at, false});
+      light.variance_m2 += dot(at - middle, at - middle) / 12;
+    }
+  });
+  return make_light_tree(lights);
+}
+
+// Meshes that shine, as their instances are placed.
+std::vector<TreeLight> placed_emissive(const LightData& data, const float* frame_from_mesh) {
+  std::vector<TreeLight> lights;
+  for (std::size_t e = 0; e < data.emissive.size(); ++e) {
+    const float* from =
+        frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(data.emissive[e].instance);
+    Mat4 placed;
+    double squares = 0;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c) {
+        placed.m[r][c] = static_cast<double>(from[4 * r + c]);
+        if (c < 3) squares += placed.m[r][c] * placed.m[r][c];
+      }
+    const TreeLight& own = data.triangle_tree.at(data.emissive[e].mesh).all;
+    // Areas grow with the mean square of the scales of the axes.
+    lights.push_back({placed_box(own.box, placed), transform_point(placed, own.centre_m),
+                      own.variance_m2 * squares / 3, data.emissive_weight[e]});
+  }
+  return lights;
+}
+
 // The same of surfaces.
 std::vector<double> make_emissive(LightData& data, const Light& light, const Scene& scene,
                                   const Placement& placement, const SceneView& view,
                                   double distance_m) {
-  std::vector<double> sent(light.bands.count(), 0.0), weights;
+  std::vector<double> sent(light.bands.count(), 0.0);
   std::map<std::int32_t, double> power_of_mesh;
   data.emissive_of_instance.assign(scene.instances.size(), -1);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
@@ -149,21 +194,23 @@ std::vector<double> make_emissive(LightData& data, const Light& light, const Sce
       of_rgb[k % 3] += static_cast<double>(matrix[k]);
     const auto [known, is_new] = power_of_mesh.try_emplace(mesh, 0.0);
     if (is_new) {
-      const std::vector<double> powers = triangle_powers(view, mesh, triangles, of_rgb);
+      std::vector<double> powers = triangle_powers(view, mesh, triangles, of_rgb);
       known->second = sum_of(powers);
-      if (known->second > 0) data.triangle_sum[mesh] = running_sum(powers);
+      if (known->second > 0) {
+        data.triangle_tree[mesh] = make_triangle_tree(view.meshes[mesh], powers);
+        data.triangle_powers[mesh] = std::move(powers);
+      }
     }
     if (!(known->second > 0)) continue;
     data.emissive_of_instance[i] = static_cast<std::int32_t>(data.emissive.size());
-    data.emissive.push_back({static_cast<std::int32_t>(i), mesh,
-                             static_cast<std::int32_t>(triangles), data.triangle_sum[mesh].data()});
+    data.emissive.push_back({static_cast<std::int32_t>(i), mesh, data.triangle_tree[mesh].view()});
     // Areas grow about as the square of the mean scale. A surface of area A and radiance L sends
     // pi A L, or A L / 4 to each direction in the mean.
     const double det = std::fabs(determinant(placement.world_from_mesh[i]));
     const double sides = view.materials[material].double_sided ? 2 : 1;
     const double seen =
         sides * known->second * std::pow(det, 2.0 / 3) / (4 * distance_m * distance_m);
-    weights.push_back(seen);
+    data.emissive_weight.push_back(seen);
     const Vec3 factor = view.materials[material].emissive;
     const double all = of_rgb[0] * static_cast<double>(factor.x) +
                        of_rgb[1] * static_cast<double>(factor.y) +
@@ -175,7 +222,7 @@ std::vector<double> make_emissive(LightData& data, const Light& light, const Sce
                  all;
     }
   }
-  data.emissive_sum = running_sum(weights);
+  data.emissive_tree = make_light_tree(placed_emissive(data, view.frame_from_mesh));
   return sent;
 }
 
@@ -228,10 +275,9 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
 
   LightView& out = data->view;
   out.lamps = data->lamps.data();
-  out.lamp_sum = data->lamp_sum.data();
   out.lamp_count = static_cast<std::int32_t>(data->lamps.size());
   out.emissive = data->emissive.data();
-  out.emissive_sum = data->emissive_sum.data();
+  out.emissive_tree = data->emissive_tree.view();
   out.emissive_of_instance = data->emissive_of_instance.data();
   out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
   out.instance_count = static_cast<std::int32_t>(data->emissive_of_instance.size());
@@ -261,11 +307,16 @@ void scale_to_radiance_unit(LightData& data) {
 }
 
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
+  std::vector<TreeLight> lights;
   for (std::size_t i = 0; i < data.lamps.size(); ++i) {
     const Mat4& world_from_light = scene.lights[data.lamp_of_scene[i]].world_from_light;
     data.lamps[i].position = to_float(transform_point(world_from_light, {}) - origin_m);
     data.lamps[i].direction = to_float(normalize(transform_vector(world_from_light, {0, 0, -1})));
+    lights.push_back(tree_light(to_double(data.lamps[i].position), data.lamp_weight[i],
+                                data.lamps[i].type == PunctualLightType::directional));
   }
+  data.lamp_tree = make_light_tree(lights, data.lamp_distance_m);
+  data.view.lamp_tree = data.lamp_tree.view();
   if (data.clouds == nullptr) return;
   const CloudShadow& clouds = *data.clouds;
   CloudShadowView& view = data.view.clouds;
@@ -280,6 +331,11 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
   };
   view.first_column = first(origin_m.x, clouds.first_x_m, clouds.columns);
   view.first_row = first(origin_m.z, clouds.first_z_m, clouds.rows);
+}
+
+void place_emissive(LightData& data, const float* frame_from_mesh) {
+  if (data.emissive.size() > 1)
+    place_lights(data.emissive_tree, placed_emissive(data, frame_from_mesh));
 }
 
 std::vector<float> make_emission_matrix(const Light& light, const Material& material) {

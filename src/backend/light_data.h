@@ -9,6 +9,7 @@
 
 #include <oneapi/tbb/cache_aligned_allocator.h>
 
+#include "backend/light_tree.h"
 #include "model/scene_place.h"
 #include "omma/light.h"
 #include "omma/scene.h"
@@ -38,10 +39,14 @@ struct LightData {
   std::vector<LampView> lamps;
   std::vector<std::size_t> lamp_of_scene;  // [lamp], index into Scene::lights
   std::vector<float> lamp_strength;        // [lamp][band]
-  std::vector<float> lamp_sum;
+  std::vector<double> lamp_weight;         // [lamp], see TreeLight
+  double lamp_distance_m = 1;              // at which they are
+  LightTree lamp_tree;
   std::vector<EmissiveView> emissive;
-  std::map<std::int32_t, std::vector<float>> triangle_sum;  // of meshes that shine
-  std::vector<float> emissive_sum;
+  std::vector<double> emissive_weight;                          // [emissive]
+  std::map<std::int32_t, std::vector<double>> triangle_powers;  // of meshes that shine
+  std::map<std::int32_t, LightTree> triangle_tree;              // in their own frames
+  LightTree emissive_tree;
   std::vector<std::int32_t> emissive_of_instance;
   std::vector<AimView> aims;
   LightView view;
@@ -51,8 +56,7 @@ struct LightData {
 };
 
 // Of a validated light and scene, in the light's unit. `view` is of the scene's shading data, with
-// `scatter` set, as emission in bands is asked of it. Surfaces may move afterwards; probabilities of
-// choosing them stay those of where they are now.
+// `scatter` set, as emission in bands is asked of it.
 std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scene,
                                            const Placement& placement, const SceneView& view);
 
@@ -66,6 +70,9 @@ void scale_to_radiance_unit(LightData& data);
 // Lamps and shadows of clouds in a frame with this origin, which LightView::lamp_origin_m places in
 // the traced one.
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
+
+// Surfaces that shine are where the frames of their instances are now, as SceneView has these.
+void place_emissive(LightData& data, const float* frame_from_mesh);
 
 // What linear RGB of a material's emissive factor times texture is in each band, [band][3], in the
 // light's unit (ScatterView::emission); empty where it does not shine.

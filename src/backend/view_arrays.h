@@ -196,8 +196,16 @@ void visit_arrays(LampView& view, Visit& visit, std::int32_t bands) {
 }
 
 template <typename Visit>
+void visit_arrays(LightTreeView& view, Visit& visit, Version placed) {
+  visit(view.nodes, {2 * view.leaves - 1}, placed);
+  visit(view.light_of_rank, {view.count});
+  visit(view.rank_of_light, {view.count});
+  visit(view.sum, {view.count + 1});
+}
+
+template <typename Visit>
 void visit_arrays(EmissiveView& view, Visit& visit) {
-  visit(view.triangle_sum, {view.triangles + 1});
+  visit_arrays(view.triangles, visit, visit.version);
 }
 
 template <typename Visit>
@@ -212,10 +220,10 @@ void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit.views(view.discs, {view.disc_count}, view.bands);
   visit_arrays(view.clouds, visit);
   visit.views(view.lamps, {view.lamp_count}, view.bands);
-  visit(view.lamp_sum, {view.lamp_count + 1});
+  visit_arrays(view.lamp_tree, visit, visit.version);
   visit(view.lamp_origin_m, {3}, placed);
   visit.views(view.emissive, {view.emissive_count});
-  visit(view.emissive_sum, {view.emissive_count + 1});
+  visit_arrays(view.emissive_tree, visit, placed);
   visit(view.emissive_of_instance, {view.instance_count});
   visit(view.aims, {view.aim_count});
 }

@@ -115,7 +115,7 @@ void light_up(World::State& state) {
   state.lit = make_lit_data(*state.settings.lighting, *built.scene, built.placement,
                             {built.frames.data(), built.first_origin_m, built.first_origin_now_m,
                              built.placement.moves.data()});
-  follow_shapes(built, state.lit->shading);
+  follow_moves(built, state.lit);
   state.radiance_unit = state.lit->light->radiance_unit;
   if (!state.settings.lighting->sun_map) return;
   LitData& lit = *state.lit;
@@ -189,7 +189,7 @@ Rendering::~Rendering() {
 
 BuiltScene::~BuiltScene() {
   delete camera_rays.load();
-  for (LitShading* lit = lit_shadings; lit != nullptr;) delete std::exchange(lit, lit->next);
+  for (LitWorld* lit = lit_worlds; lit != nullptr;) delete std::exchange(lit, lit->next);
 }
 
 World::World(std::shared_ptr<const Scene> scene, WorldSettings settings,

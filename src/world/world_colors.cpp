@@ -18,7 +18,7 @@ void check_index(const char* what, int index, std::size_t count) {
 }
 
 void check_unlit(const BuiltScene& built, const char* what) {
-  if (built.lit_shadings.load() != nullptr)
+  if (built.lit_worlds.load() != nullptr)
     throw Error(std::string(what) +
                 ": expected a world that was never lit, as light goes by the colours that it was "
                 "made for, found one with light");

@@ -166,6 +166,7 @@ void move_in_top_scene(BuiltScene& built, const std::vector<Step>& steps,
     instances.push_back(step.instance);
     place_frame(built, static_cast<std::size_t>(step.instance));
   }
+  follow_places(built);
   built.versions.placed = new_version();
   run_in_arena(*built.threads.arena,
                [&] { built.backend->move(built.acceleration, instances, meshes, built.placement); });
@@ -206,6 +207,7 @@ void take_acceleration(BuiltScene& built, Acceleration acceleration) {
   built.versions.placed = new_version();
   built.frames.resize(12 * built.placement.moves.size());
   for (std::size_t i = 0; i < built.placement.moves.size(); ++i) place_frame(built, i);
+  follow_places(built);
   const Vec3d shift = built.first_origin_m - built.placement.origin_m;
   built.first_origin_now_m[0] = static_cast<float>(shift.x);
   built.first_origin_now_m[1] = static_cast<float>(shift.y);

@@ -65,15 +65,21 @@ void point_to_shapes(const Scene& scene, const Placement& placement, ShadingData
 
 void follow_shapes(BuiltScene& built) {
   point_to_shapes(*built.scene, built.placement, *built.shading);
-  for (LitShading* lit = built.lit_shadings; lit != nullptr; lit = lit->next)
-    if (const std::shared_ptr<ShadingData> shading = lit->shading.lock())
-      point_to_shapes(*built.scene, built.placement, *shading);
+  for (LitWorld* world = built.lit_worlds; world != nullptr; world = world->next)
+    if (const std::shared_ptr<LitData> lit = world->lit.lock())
+      point_to_shapes(*built.scene, built.placement, *lit->shading);
 }
 
-void follow_shapes(const BuiltScene& built, const std::shared_ptr<ShadingData>& shading) {
-  point_to_shapes(*built.scene, built.placement, *shading);
-  auto* const added = new LitShading{shading, built.lit_shadings.load()};
-  while (!built.lit_shadings.compare_exchange_weak(added->next, added)) {
+void follow_places(const BuiltScene& built) {
+  for (LitWorld* world = built.lit_worlds; world != nullptr; world = world->next)
+    if (const std::shared_ptr<LitData> lit = world->lit.lock())
+      place_emissive(*lit->light, built.frames.data());
+}
+
+void follow_moves(const BuiltScene& built, const std::shared_ptr<LitData>& lit) {
+  point_to_shapes(*built.scene, built.placement, *lit->shading);
+  auto* const added = new LitWorld{lit, built.lit_worlds.load()};
+  while (!built.lit_worlds.compare_exchange_weak(added->next, added)) {
   }
 }
 

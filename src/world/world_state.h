@@ -28,10 +28,10 @@ inline double seconds_since(Clock::time_point start) {
 
 struct CameraRays;  // camera_rays.h
 
-// A list of the shading data of lit worlds; it only grows while anything is rendered.
-struct LitShading {
-  std::weak_ptr<ShadingData> shading;
-  LitShading* next = nullptr;
+// A list of what lit worlds have besides their scene; it only grows while anything is rendered.
+struct LitWorld {
+  std::weak_ptr<LitData> lit;
+  LitWorld* next = nullptr;
 };
 
 // What the scene's animations move.
@@ -87,7 +87,7 @@ struct BuiltScene {
   // process can wait for threads that it does not have.
   mutable std::atomic<int> renders = 0;
   // Of all worlds of this scene that are lit; owned. Added to by those who hold a Rendering.
-  mutable std::atomic<LitShading*> lit_shadings = nullptr;
+  mutable std::atomic<LitWorld*> lit_worlds = nullptr;
   // Of the last picture (render_camera); owned, taken out by who uses it.
   mutable std::atomic<CameraRays*> camera_rays = nullptr;
 };
@@ -116,7 +116,7 @@ struct World::State {
   std::shared_ptr<BuiltScene> built;
   BackgroundData background;         // refers to the settings' background, or else the scene's
   std::vector<float> band_from_rgb;  // [band][3], empty where the bands are RGB itself
-  std::unique_ptr<LitData> lit;      // where the world is lit
+  std::shared_ptr<LitData> lit;      // where the world is lit
   double radiance_unit = 1;          // what a radiance of 1 is in `view`
   SceneView view;                    // what the physics reads
 };
@@ -168,7 +168,9 @@ Animated animated_of(const Scene& scene, const Things& things);
 
 // Points the shading data of all worlds of this scene to the shapes that meshes have now.
 void follow_shapes(BuiltScene& built);
-// The same of a lit world, from now on. Its maker holds a Rendering.
-void follow_shapes(const BuiltScene& built, const std::shared_ptr<ShadingData>& shading);
+// Tells all worlds of this scene that are lit where what shines is now.
+void follow_places(const BuiltScene& built);
+// Both of a lit world, from now on. Its maker holds a Rendering.
+void follow_moves(const BuiltScene& built, const std::shared_ptr<LitData>& lit);
 
 }  // namespace omma

@@ -234,3 +234,46 @@ def test_a_triangle_out_of_reach_is_left_out():
         omma.World(one, light=SKY, lighting="baked", bake=bake) for one in (scene, grass())
     )
     assert world.baked.cells == without.baked.cells
+
+
+def test_polarised_light_of_cells_errs_with_its_polarisation():
+    """Level water at Brewster's angle mirrors a baked wall: Q is -I, so that both err by as much,
+    and a receptor by its share of it."""
+    mirror = omma.scene.Material("water", base_color=(0, 0, 0, 1), roughness=0, ior=1.333)
+    matt = omma.scene.Material("matt", base_color=(0.5, 0.5, 0.5, 1), specular=0)
+    scene = omma.scene.merge_scenes(
+        [omma.scene.plane((40, 40)).replace(materials=[mirror])]
+        + [
+            omma.scene.box(size, center_m=centre).replace(materials=[matt])
+            for size, centre in (
+                ((6, 3, 0.2), (0, 1.5, -4)),
+                ((6, 0.2, 6), (0, 3.1, -2)),
+                ((0.2, 3, 6), (-3, 1.5, -2)),
+            )
+        ]
+    )
+    brewster, azimuth = np.arctan(1.333), np.radians(np.arange(-15, 16, 3))
+    across, down = np.sin(brewster), np.full(len(azimuth), -np.cos(brewster))
+    axis = np.column_stack([across * np.sin(azimuth), down, -across * np.cos(azimuth)])
+    kinds = [
+        omma.receptors.ReceptorType(
+            name, wavelength_nm=[440, 450, 550, 560], sensitivity=[0, 1, 1, 0],
+            microvillus_angle_rad=angle, polarisation_sensitivity=19,
+        )
+        for name, angle in (("upright", 0.0), ("level", np.pi / 2))
+    ]  # fmt: skip
+    eye = omma.Eye(np.zeros_like(axis), axis, np.radians(3), receptor_types=kinds, receptors=[0, 1])
+    sky = uniform_sky(1.0, bands=omma.light.Bands.from_edges([450, 550]))
+    bake = Bake(cell_m=0.5, paths=16, cache=False)
+    world = omma.World(scene, light=sky, polarized=True, lighting="baked", bake=bake)
+    renderer = omma.Renderer(world, eye, omma.Fixed(256))
+    pose = omma.poses_from_angles((0, 1, 0), (0, 0, 0))
+    stokes, error = renderer.render_stokes(pose, standard_error=True)
+    degree = stokes[0, :, 1, 0] / stokes[0, :, 0, 0]
+    assert np.all(degree < -0.99)
+    np.testing.assert_allclose(error[0, :, 1, 0] / error[0, :, 0, 0], -degree, rtol=0.02)
+    assert np.all(error[0, :, 2, 0] < 0.1 * error[0, :, 0, 0])
+    response, of_response = renderer.render_receptors(pose, standard_error=True)
+    share = (of_response / response)[0].reshape(-1, 2)
+    # The upright one is some 5 % of the other; its share of U too is in its error.
+    np.testing.assert_allclose(share[:, 0], share[:, 1], rtol=0.1)

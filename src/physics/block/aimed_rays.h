@@ -1,14 +1,14 @@
 // Rays that ommatidia aim at what is small and bright in their view (aims_in_view.h). Their own
 // rays, by their acceptance, would find it by chance.
 //
-// The integral over directions is divided: within a cone about each such thing, where it is much
+// The integral over directions is divided: within a cone about each of these aims, where it is much
 // smaller than the acceptance, the ommatidium sends rays evenly over the cone, each weighed by the
 // density of its own,
 //
 //   ∫ over the cone p L dω = mean of p(ω) L(ω) times the cone's solid angle,   p = S / ∫ S,
 //
 // and its own rays count outside of all cones alone. Both follow whole paths, so that the sum is
-// right whatever stands there, also where a thing has moved away from its cone.
+// right whatever stands there, also where an aim has moved away from its cone.
 #pragma once
 
 #include "physics/block/aims_in_view.h"
@@ -27,7 +27,7 @@ OMMA_HD void drop_lanes(LaneMask<L> lanes, int rows, float* radiance) {
   });
 }
 
-// Rays all over the cone about thing number `aim` of the light's, `each` for each batch: sums of
+// Rays all over the cone about number `aim` of the light's aims, `each` for each batch: sums of
 // what they bring, weighed, in memory.aimed [batch][output].
 struct ConeRays {
   const AimsInView* seen;
@@ -51,7 +51,7 @@ OMMA_HD_CALLED void add_aimed_moments(const DiscTask& of, int ray, float weight,
           static_cast<double>(weight * brought[o * L::count]) * moments.factor[m];
 }
 
-// Leaves out directions that are in the cone of a thing before this one.
+// Leaves out directions that are in the cone of an aim before this one.
 template <typename L>
 OMMA_HD void leave_out_earlier(const DiscTask& of, const ConeRays& rays,
                                const Vec3 (&direction)[L::count], float (&weight)[L::count]) {
@@ -152,10 +152,10 @@ OMMA_HD double light_of_rays(const FrameView& frame, const BlockMemory& memory) 
   return least;
 }
 
-// Rays to a thing, for each batch, all scrambles together, by the share that it has of the response
+// Rays to an aim, for each batch, all scrambles together, by the share that it has of the response
 // at most. Where it fills two thirds of its cone 8 batches of 2 are off by some 10 % of it, of 8 by
 // 4 %, of 32 by 1.5 %. With more rays of its own an ommatidium sends as many times more of these.
-OMMA_HD int rays_to_thing(const FrameView& frame, double share, bool few) {
+OMMA_HD int rays_to_aim(const FrameView& frame, double share, bool few) {
   int rays = few ? 2 : 1;
   if (share >= 0.003) rays = few ? 8 : 2;
   if (share >= 0.1) rays = 32;
@@ -177,7 +177,7 @@ OMMA_HD double per_sum(const DiscView& cone, int each) {
   return 1 / (static_cast<double>(cone.density) * each);
 }
 
-// Rays to a thing, for each batch, with which its part of an error that is to be reached would be:
+// Rays to an aim, for each batch, with which its part of an error that is to be reached would be:
 // 0.4 of it, by what `each` rays found, in the output that needs most. 0: `each` are enough, or all
 // that there may be.
 template <typename L>
@@ -232,7 +232,7 @@ OMMA_HD_CALLED void add_aimed(const FrameView& frame, const BlockTask& task,
         DiscTask of = look_at(frame, task, replicate, cone);
         of.hash = replicate.hash + 0x2545f491u * static_cast<std::uint32_t>(i + 1);
         int each = 0;
-        for (int next = rays_to_thing(frame, share, seen.count <= few_aims); next > 0;) {
+        for (int next = rays_to_aim(frame, share, seen.count <= few_aims); next > 0;) {
           each = next;
           of.hash = mix_bits_32(of.hash);
           trace_cone<L>(of, {&seen, i, each}, search, memory);

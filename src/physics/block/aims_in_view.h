@@ -1,6 +1,6 @@
 // What ommatidia aim rays at besides the discs of the sky: what is small and bright, such as the
-// sun's mirror image in smooth water and surfaces that shine (LightView::aims). Which of these a
-// replicate has in view, and the cone of directions about each.
+// sun's mirror image in smooth water and surfaces that shine (LightView::aims). Which of these aims
+// a replicate has in view, and the cone of directions about each.
 #pragma once
 
 #include "physics/block/block_memory.h"
@@ -12,7 +12,7 @@ namespace omma {
 
 // What adds less than this part of all that is aimed at is left to rays.
 inline constexpr double least_share = 1e-6;
-// Of more things than that, where a replicate's own rays meet one of them with a higher probability
+// Of more aims than that, where a replicate's own rays meet one of them with a higher probability
 // than that, all but the brightest are left to its rays.
 inline constexpr int few_aims = 12;
 inline constexpr double often_met = 0.25;
@@ -74,7 +74,7 @@ OMMA_HD Vec3 image_direction(const SceneView& scene, const AimView& aim) {
   return from - normal * (2 * dot(from, normal) / fmaxf(dot(normal, normal), 1e-30f));
 }
 
-// The cone about a thing as it is seen from a place; none where it is nearly all around.
+// The cone about an aim as it is seen from a place; none where it is nearly all around.
 OMMA_HD DiscView cone_of(const SceneView& scene, const AimView& aim, Vec3 from) {
   if (aim.disc >= 0) return make_cone(image_direction(scene, aim), aim.chord_2);
   const float* m = frame_of(scene, aim);
@@ -93,7 +93,7 @@ OMMA_HD bool is_in_cone(const DiscView& cone, Vec3 direction) {
   return chord_2(vector_of(direction), cone.direction) <= cone.chord_2;
 }
 
-// Whether a thing is so far from a replicate's axis that nothing of it is seen: with little to
+// Whether an aim is so far from a replicate's axis that nothing of it is seen: with little to
 // compute, as most of them are. `cosine`: of the angle from the axis at which the acceptance ends
 // and the widest cones, 30 deg, about a place beyond it.
 OMMA_HD bool is_out_of_view(const SceneView& scene, const AimView& aim, const Replicate& replicate,

@@ -53,7 +53,7 @@ OMMA_HD TruthRows rows_of(const TruthView& truth) {
 // the error (eye_discs.h). Together they are more even than apart, so that it is rather too large.
 inline constexpr int disc_batches = 8;
 
-// What a replicate sees of small and bright things, and aims at (aims_in_view.h).
+// What is small and bright in a replicate's view, which it aims at (aims_in_view.h).
 struct AimsInView {
   std::uint32_t bits[most_aims / 32];  // which of LightView::aims
   std::int32_t count = 0;
@@ -120,7 +120,7 @@ struct BlockMemory {
   // a cone, [moment][output].
   double *beside_moments = nullptr, *disc_moments = nullptr, *disc_all_moments = nullptr,
          *disc_seen_moments = nullptr, *aimed_moments = nullptr;
-  // What replicates aim at, [replicate]; sums over the rays to one thing, [disc_batches][output].
+  // What replicates aim at, [replicate]; sums over the rays to one aim, [disc_batches][output].
   AimsInView* in_view = nullptr;
   double* aimed = nullptr;
   // In one lane: what InMemory is for, and what its search has still to visit.
@@ -163,8 +163,7 @@ OMMA_HD TruthSums lay_out_truth(Scratch& scratch, const TruthView& truth, int st
 }
 
 OMMA_HD float* lay_out_cell_errors(Scratch& scratch, const FrameView& frame, int ommatidia) {
-  return scratch.take<float>(static_cast<std::size_t>(ommatidia) *
-                             static_cast<std::size_t>(frame.scene->bands) * error_signs);
+  return scratch.take<float>(static_cast<std::size_t>(ommatidia * cell_error_count(*frame.scene)));
 }
 
 // Of a frame that is rendered to an error.

@@ -9,36 +9,36 @@
 namespace omma {
 
 // The variance of output o of a response, in radiance units, that comes of the cells of baked light
-// which the `rays` of its ommatidium met, [band][error_signs]; 0 in other worlds, where it is null.
+// which the `rays` of its ommatidium met, [component][band][sign]; 0 in other worlds, where
+// it is null.
 OMMA_HD double cell_variance(const FrameView& frame, const float* cell_errors, int o, double rays) {
   if (cell_errors == nullptr) return 0;
-  const int bands = frame.scene->bands, components = frame.scene->polarized ? 3 : 1;
-  // What is baked is unpolarised: it is in I alone.
-  if (frame.output_from_band == nullptr && o >= bands) return 0;
+  const int inputs = frame.scene->bands * (frame.scene->polarized ? 3 : 1);
+  const int signs = error_signs(*frame.scene);
   double squares = 0;
-  for (int k = 0; k < error_signs; ++k) {
+  for (int k = 0; k < signs; ++k) {
     double sum = 0;
     if (frame.output_from_band == nullptr) {
-      sum = static_cast<double>(cell_errors[o * error_signs + k]);
+      sum = static_cast<double>(cell_errors[o * signs + k]);
     } else {
-      const float* row = frame.output_from_band + std::ptrdiff_t{o} * components * bands;
-      for (int b = 0; b < bands; ++b)
-        sum += static_cast<double>(row[b] * cell_errors[b * error_signs + k]);
+      const float* row = frame.output_from_band + std::ptrdiff_t{o} * inputs;
+      for (int i = 0; i < inputs; ++i)
+        sum += static_cast<double>(row[i] * cell_errors[i * signs + k]);
     }
     squares += sum * sum;
   }
-  return squares / (error_signs * rays * rays);
+  return squares / (signs * rays * rays);
 }
 
 // Those of one ommatidium, of those of several.
 OMMA_HD float* cell_errors_of(const FrameView& frame, float* cell_errors, int ommatidium) {
   if (cell_errors == nullptr) return nullptr;
-  return cell_errors + std::ptrdiff_t{ommatidium} * frame.scene->bands * error_signs;
+  return cell_errors + ommatidium * cell_error_count(*frame.scene);
 }
 
 OMMA_HD void clear_cell_errors(const FrameView& frame, float* cell_errors, int ommatidia) {
   if (cell_errors == nullptr) return;
-  const std::ptrdiff_t all = std::ptrdiff_t{ommatidia} * frame.scene->bands * error_signs;
+  const std::ptrdiff_t all = ommatidia * cell_error_count(*frame.scene);
   for (std::ptrdiff_t i = 0; i < all; ++i) cell_errors[i] = 0;
 }
 

@@ -1,10 +1,12 @@
 // Lights that are near, for next-event estimation: a direction from a position towards a lamp or a
 // surface that shines, with its probability, and what comes from there if nothing is in the way.
-// Light from afar, lamps and surfaces are chosen between with fixed probabilities.
+// Light from afar, lamps and surfaces are chosen between with fixed probabilities, one of many
+// lamps or surfaces by where they are.
 #pragma once
 
 #include "physics/light/emissive.h"
 #include "physics/light/lamps.h"
+#include "physics/light/light_tree.h"
 #include "physics/surface/surface.h"
 
 namespace omma {
@@ -32,6 +34,11 @@ struct MetTriangle {
   float distance_m;
 };
 
+// A place in the frame of an instance's mesh.
+OMMA_HD Vec3 place_in_mesh(const SceneView& scene, std::int32_t instance, Vec3 position) {
+  return place_before(scene.frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(instance), position);
+}
+
 // Probability per solid angle with which sample_near_light gives the direction in which a ray from
 // `position` has met a triangle; 0 where it is not one that is sampled.
 OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, const MetTriangle& met,
@@ -40,10 +47,10 @@ OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, cons
   const std::int32_t index = light.emissive_of_instance[met.instance];
   if (index < 0) return 0.0f;
   const EmissiveView& emissive = light.emissive[index];
-  const float chosen = light.emissive_probability *
-                       (light.emissive_sum[index + 1] - light.emissive_sum[index]) *
-                       (emissive.triangle_sum[met.triangle + 1] -
-                        emissive.triangle_sum[met.triangle]);
+  const float chosen =
+      light.emissive_probability * light_tree_probability(light.emissive_tree, position, index) *
+      light_tree_probability(emissive.triangles, place_in_mesh(scene, met.instance, position),
+                             met.triangle);
   if (!(chosen > 0.0f)) return 0.0f;
   const LightTriangle seen =
       see_triangle(scene, met.instance, emissive.mesh, met.triangle, position);
@@ -53,32 +60,32 @@ OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, cons
 
 OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
   LightSample sample;
-  sample.index = find_in_sum(light.lamp_sum, light.lamp_count, u);
   const float* origin = light.lamp_origin_m;
   const Vec3 from_lamps =
       origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
+  const ChosenLight chosen = sample_light_tree(light.lamp_tree, from_lamps, u);
+  sample.index = chosen.index;
   const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
   sample.kind = LightKind::lamp;
   sample.is_delta = true;
   sample.direction = at.direction;
   sample.distance_m = at.distance_m;
   sample.scale = at.scale;
-  if (at.scale > 0.0f)
-    sample.pdf =
-        light.lamp_probability * (light.lamp_sum[sample.index + 1] - light.lamp_sum[sample.index]);
+  if (at.scale > 0.0f) sample.pdf = light.lamp_probability * chosen.probability;
   return sample;
 }
 
 OMMA_HD LightSample sample_surfaces(const SceneView& scene, const LightView& light, Vec3 position,
                                     float u, float u0, float u1) {
-  const std::int32_t index = find_in_sum(light.emissive_sum, light.emissive_count, u);
-  const EmissiveView& emissive = light.emissive[index];
-  const float within = within_part(light.emissive_sum, index, u);
+  const ChosenLight chosen = sample_light_tree(light.emissive_tree, position, u);
+  const EmissiveView& emissive = light.emissive[chosen.index];
+  const ChosenLight triangle = sample_light_tree(
+      emissive.triangles, place_in_mesh(scene, emissive.instance, position), chosen.left);
   LightSample sample;
   sample.kind = LightKind::surface;
   sample.index = emissive.instance;
   sample.mesh = emissive.mesh;
-  sample.triangle = find_in_sum(emissive.triangle_sum, emissive.triangles, within);
+  sample.triangle = triangle.index;
   const LightTriangle seen =
       see_triangle(scene, sample.index, sample.mesh, sample.triangle, position);
   const TriangleSample place = sample_triangle(seen, u0, u1);
@@ -92,10 +99,7 @@ OMMA_HD LightSample sample_surfaces(const SceneView& scene, const LightView& lig
     sample.reach_m = fmaxf(fmaxf(sample.reach_m, fabsf(at.x)), fmaxf(fabsf(at.y), fabsf(at.z)));
   }
   if (place.pdf > 0.0f && shines_towards(scene, sample.mesh, seen, place.direction))
-    sample.pdf =
-        place.pdf * light.emissive_probability *
-        (light.emissive_sum[index + 1] - light.emissive_sum[index]) *
-        (emissive.triangle_sum[sample.triangle + 1] - emissive.triangle_sum[sample.triangle]);
+    sample.pdf = place.pdf * light.emissive_probability * chosen.probability * triangle.probability;
   return sample;
 }
 

@@ -87,17 +87,29 @@ OMMA_HD_CALLED void add_baked(const Flight<L, Search>& flight,
 
 // What a side of a cell may be off by under each sign, as a fraction of its light.
 OMMA_HD void signed_errors(const BakedView& baked, std::ptrdiff_t side,
-                           float (&error)[error_signs]) {
+                           float (&error)[most_error_signs]) {
   const CellError& of = baked.errors[side];
   const float own = decode_error(of.own), shared = decode_error(of.shared);
   const std::uint32_t signs = mix_bits_32(static_cast<std::uint32_t>(side));
-  for (int k = 0; k < error_signs; ++k)
+  for (int k = 0; k < most_error_signs; ++k)
     error[k] =
         ((signs >> k & 1u) != 0 ? own : -own) + ((of.signs >> k & 1u) != 0 ? shared : -shared);
 }
 
+// What of light that leaves a surface with these Stokes parameters arrives at the eye, in a lane
+// and a band; throughput is not in it.
+template <typename L, typename Search>
+OMMA_HD Stokes<float> seen_along_path(const Flight<L, Search>& flight, int l, int b,
+                                      const Stokes<float>& leaving) {
+  if (!flight.scene.polarized) return leaving;
+  Mueller3<float> path;
+  for (int k = 0; k < 9; ++k)
+    path.m[k / 3][k % 3] = mueller_in<L>(flight.scene, flight.state, flight.memory, k, b)[l];
+  return path * leaving;
+}
+
 // Adds to the sums of ommatidia what add_baked may be off by: cells err each by itself, but an
-// ommatidium by the same for all rays that meet one cell. Bands err together.
+// ommatidium by the same for all rays that meet one cell. Bands and components err together.
 template <typename L, typename Search>
 OMMA_HD_CALLED void add_cell_errors(const Flight<L, Search>& flight,
                                     const ScatteringPacket<L>& scattering,
@@ -106,25 +118,33 @@ OMMA_HD_CALLED void add_cell_errors(const Flight<L, Search>& flight,
   const SceneView& scene = flight.scene;
   const PathMemory& memory = flight.memory;
   const BakedView& baked = *scene.baked;
-  alignas(n * 4) float diffuse[n];
-  for (int l = 0; l < n; l += L::width) store(diffuse + l, scattering.point[l / L::width].diffuse);
+  const int signs = error_signs(scene);
+  alignas(n * 4) float diffuse[n], diffuse_q[n] = {}, diffuse_u[n] = {};
+  for (int l = 0; l < n; l += L::width) {
+    store(diffuse + l, scattering.point[l / L::width].diffuse);
+    if (!scene.polarized) continue;
+    store(diffuse_q + l, scattering.diffuse_q[l / L::width]);
+    store(diffuse_u + l, scattering.diffuse_u[l / L::width]);
+  }
   lanes.for_each([&](int l) {
     if (found.cell[l] == nullptr) return;
     const std::ptrdiff_t cell = (found.cell[l] - baked.values) / (2 * scene.bands);
     const std::ptrdiff_t near = 2 * cell + (found.from_behind.has(l) ? 1 : 0);
-    float front[error_signs], back[error_signs];
+    float front[most_error_signs], back[most_error_signs];
     signed_errors(baked, near, front);
     signed_errors(baked, near ^ 1, back);
-    float* sums = flight.cell_errors +
-                  std::ptrdiff_t{flight.packet.ommatidium[l]} * scene.bands * error_signs;
-    for (int b = 0; b < scene.bands; ++b, sums += error_signs) {
+    float* const sums = flight.cell_errors + flight.packet.ommatidium[l] * cell_error_count(scene);
+    for (int b = 0; b < scene.bands; ++b) {
       const int at = b * n + l;
-      const float path =
-          scene.polarized ? mueller_in<L>(scene, flight.state, memory, 0, b)[l] : 1.0f;
-      const float scale = diffuse[l] * path * memory.throughput[at];
+      const float scale = diffuse[l] * memory.throughput[at];
       const float in_front = scale * memory.reflectance[at] * memory.front[at],
                   behind = scale * memory.transmittance[at] * memory.back[at];
-      for (int k = 0; k < error_signs; ++k) sums[k] += in_front * front[k] + behind * back[k];
+      const Stokes<float> seen = seen_along_path(flight, l, b, {1.0f, diffuse_q[l], diffuse_u[l]});
+      const float of_eye[3] = {seen.i, seen.q, seen.u};
+      for (int p = 0; p < flight.components(); ++p)
+        for (int k = 0; k < signs; ++k)
+          sums[(p * scene.bands + b) * signs + k] +=
+              of_eye[p] * (in_front * front[k] + behind * back[k]);
     }
   });
 }

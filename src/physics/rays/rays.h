@@ -82,19 +82,29 @@ OMMA_HD Vector3<F> turn_with(const Vector3<F>& axis, const Vector3<F>& ray, cons
   return {turned.x / length, turned.y / length, turned.z / length};
 }
 
-// Which samples of a pattern belong to a part of it: one of each 2^part_bits that follow each
-// other, in each another one, by the bits of its number reversed and the part's (as in Hammersley's
-// points). Neighbours in a pattern are near each other, and always the same ones of them would all
-// be off to the same side. Behind the last full number of them there is one for each of the first
-// parts.
-template <typename I>
-OMMA_HD I sample_of_part(const DirectionsView& directions, I number) {
-  const int bits = directions.part_bits;
+// Sample `number` of a part of a replicate's pattern. Samples that follow each other are near each
+// other, so that of each 2^part_bits of them one belongs to a part, by the bits of the part's
+// number reversed: few that follow each other are of parts that are far apart (van der Corput's
+// sequence). A digital shift by the replicate's hash, another one for each 2^part_bits, makes each
+// of them of any part alike. What is left of a pattern behind the last 2^part_bits goes to the
+// first parts; the hash says where a pattern begins, as its samples differ in how far off the axis
+// they are.
+template <typename L>
+OMMA_HD typename L::I sample_of_part(const DirectionsView& directions, typename L::I number,
+                                     typename L::I hash) {
+  using I = typename L::I;
+  using U = typename L::U;
+  const int bits = directions.part_bits, count = directions.pattern_samples;
   if (bits == 0) return number;
-  I reversed = number * 0;
-  for (int b = 0; b < bits; ++b) reversed = reversed | ((number >> b & 1) << (bits - 1 - b));
-  const I own = reversed ^ directions.part, first = number * (1 << bits);
-  return first + (number < directions.pattern_samples >> bits ? own : number * 0 + directions.part);
+  const U begin = mix_bits_32(uint_of(hash) + 0x2545f491u);
+  const U shift = mix_bits_32(begin + uint_of(number) * 0x9e3779b9u);
+  const I shifted = int_of(shift >> (32 - bits)) ^ directions.part;
+  I own = number * 0;
+  for (int b = 0; b < bits; ++b) own = own | ((shifted >> b & 1) << (bits - 1 - b));
+  own = number < count >> bits ? own : number * 0 + directions.part;
+  const I first = to_int(to_float(int_of(begin >> 8)) * (0x1p-24f * static_cast<float>(count)));
+  const I sample = number * (1 << bits) + own + first;
+  return sample - keep(sample >= count, number * 0 + count);
 }
 
 // Where a packet starts: its first ray is sample `sample` of replicate `replicate`; `filled` lanes
@@ -169,8 +179,10 @@ OMMA_HD_CALLED void write_rays(const DirectionsView& directions, const Replicate
   // Replicates that the lanes are ahead of the first one, and their sample within those.
   const I lane_sample = lane_numbers<L>() + sample;
   I ahead = to_int((to_float(lane_sample) + 0.5f) * (1.0f / static_cast<float>(samples)));
-  const I local_sample = sample_of_part(directions, lane_sample - ahead * samples);
+  const I number = lane_sample - ahead * samples;
   ahead = ahead > last_replicate - replicate ? ahead * 0 + (last_replicate - replicate) : ahead;
+  const I local_sample =
+      sample_of_part<L>(directions, number, gather(replicates.hash + replicate, ahead));
   LocalDirection<F> d;
   if (directions.patterns > 0) {
     const I p = gather(replicates.directions + replicate, ahead) + local_sample;

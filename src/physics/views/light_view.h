@@ -67,12 +67,30 @@ struct LampView {
   const float* strength = nullptr;        // [band], per sr, or per m^2 where directional
 };
 
-// An instance whose surface shines. Its triangles are chosen by their own power, then places on
-// them.
+// Of lights as one.
+struct LightNode {
+  Vec3 lower, upper;      // m, of the box around them
+  float variance_m2 = 0;  // of their places, by power
+  float power = 0;        // falls with the square of the distance
+  float steady = 0;       // does not: of directional lamps
+};
+
+// A binary tree over lights (physics/light/light_tree.h), complete, in the order of a heap: those
+// below node k are 2 k + 1 and 2 k + 2, and each has half of the lights, which lie in the order of
+// the tree.
+struct LightTreeView {
+  const LightNode* nodes = nullptr;  // [2 leaves - 1]
+  const std::int32_t* light_of_rank = nullptr;
+  const std::int32_t* rank_of_light = nullptr;
+  const float* sum = nullptr;  // [rank + 1], cumulative probabilities where no place is known
+  std::int32_t leaves = 1, count = 0;  // a power of two; of lights
+};
+
+// An instance whose surface shines. Its triangles are chosen by a tree in the mesh's frame, then
+// places on them.
 struct EmissiveView {
-  std::int32_t instance = 0;  // of the scene
-  std::int32_t mesh = 0, triangles = 0;
-  const float* triangle_sum = nullptr;  // [triangle + 1], cumulative probabilities
+  std::int32_t instance = 0, mesh = 0;  // of the scene
+  LightTreeView triangles;
 };
 
 // Something small and bright that ommatidia aim at: a piece of a surface that shines, or a disc as
@@ -82,9 +100,9 @@ struct AimView {
   Vec3 centre, across;
   float radius_m = 0;  // of a piece, where the instance's largest scale is 1
   float chord_2 = 0;   // of an image's rim, as of DiscView
-  std::int32_t instance = -1,
-               disc = -1;  // of the scene, -1: a disc itself; of LightView, -1: a piece
-  float brightest = 0;     // bound on its mean radiance, of the brightest band
+  std::int32_t instance = -1;  // of the scene; -1: a disc itself
+  std::int32_t disc = -1;      // of LightView; -1: a piece
+  float brightest = 0;         // bound on its mean radiance, of the brightest band
 };
 
 // omma::CloudShadow, as places are given to lamps.
@@ -109,13 +127,13 @@ struct LightView {
   CloudShadowView clouds;  // cloud_shadow.h
 
   const LampView* lamps = nullptr;
-  const float* lamp_sum = nullptr;  // [lamp + 1], cumulative probabilities
+  LightTreeView lamp_tree;
   // Where the origin of lamps' positions is in the traced frame, [3], m; null: at its own.
   const float* lamp_origin_m = nullptr;
   std::int32_t lamp_count = 0;
 
   const EmissiveView* emissive = nullptr;
-  const float* emissive_sum = nullptr;                 // [emissive + 1]
+  LightTreeView emissive_tree;                         // in the traced frame
   const std::int32_t* emissive_of_instance = nullptr;  // [instance of the scene], -1: none
   std::int32_t emissive_count = 0;
 

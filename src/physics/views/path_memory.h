@@ -2,7 +2,10 @@
 // they do not lie on the stack. block_memory.h lays it out.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+
+#include "physics/views/scene_view.h"
 
 namespace omma {
 
@@ -42,9 +45,20 @@ struct SpectraMemory {
   RayMedia media;         // where there are volumes
 };
 
-// Random signs under which errors of cells of baked light are summed up: the mean square of so many
-// such sums is the variance of a response, within a third of it.
-inline constexpr int error_signs = 16;
+// Random signs under which errors of cells of baked light are summed up, at most: the mean square
+// of so many such sums is the variance of a response, within a third of it.
+inline constexpr int most_error_signs = 16;
+
+// Of a scene: fewer where there are sums of Q and U too, so that a card's thread stays small. The
+// standard error is within 30 % then.
+OMMA_HD int error_signs(const SceneView& scene) {
+  return scene.polarized ? 5 : most_error_signs;
+}
+
+// Such sums of an ommatidium.
+OMMA_HD std::ptrdiff_t cell_error_count(const SceneView& scene) {
+  return std::ptrdiff_t{scene.bands} * (scene.polarized ? 3 : 1) * error_signs(scene);
+}
 
 // Of a packet's paths; null where worlds are not lit.
 struct PathMemory : SpectraMemory {
@@ -59,8 +73,8 @@ struct PathMemory : SpectraMemory {
   // it their [9][band][slot] where there is `mueller`.
   float *waiting = nullptr, *waiting_for_last = nullptr;
   float* found = nullptr;  // [component][band][lane], by paths that have waited
-  // [ommatidium of the block][band][error_signs], sums over all rays; null where none are asked
-  // for.
+  // [ommatidium of the block][component][band][sign], sums over all rays; null where none
+  // are asked for.
   float* cell_errors = nullptr;
 };
 

@@ -1,0 +1,42 @@
+// Binary trees over lights (physics/light/light_tree.h): made once, and placed anew when lights
+// move.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "omma/scene.h"
+#include "physics/views/light_view.h"
+
+namespace omma {
+
+// A light of a tree, or several close to each other.
+struct TreeLight {
+  Bounds box;              // m
+  Vec3d centre_m;
+  double variance_m2 = 0;  // of places on it about its centre
+  double weight = 0;       // what it sends to places at the same distance, any unit
+  bool is_steady = false;  // it sends that to any distance, as directional lamps do
+};
+
+// A lamp, or what is as small.
+TreeLight tree_light(Vec3d place_m, double weight, bool is_steady = false);
+
+// Owns what its view points to.
+struct LightTree {
+  std::vector<LightNode> nodes;
+  std::vector<std::int32_t> light_of_rank, rank_of_light;
+  std::vector<float> sum;
+  double distance_m = 1;  // at which weights are
+  TreeLight all;          // its lights as one
+
+  LightTreeView view() const;
+};
+
+// `distance_m`: at which the weights of all lights are meant.
+LightTree make_light_tree(const std::vector<TreeLight>& lights, double distance_m = 1);
+
+// The same lights are elsewhere. Who is whose neighbour stays.
+void place_lights(LightTree& tree, const std::vector<TreeLight>& lights);
+
+}  // namespace omma

@@ -1,0 +1,129 @@
+// One of many lights: chosen as often as is said, and about by what it sends to a place.
+#include <gtest/gtest.h>
+
+#include "backend/light_tree.h"
+#include "physics/light/light_tree.h"
+#include "test_scenes.h"
+
+namespace omma {
+namespace {
+
+using namespace test;
+
+std::vector<TreeLight> some_lights(int count, std::uint64_t seed) {
+  Random random{seed};
+  std::vector<TreeLight> lights;
+  for (int i = 0; i < count; ++i)
+    lights.push_back(tree_light(random.direction() * random.uniform(1, 9),
+                                i % 7 == 3 ? 0.0 : random.uniform(0.5, 2), i % 5 == 1));
+  return lights;
+}
+
+// A lamp with a switch stands in each tree but the smallest; that of 40,000 has several a leaf.
+TEST(LightTree, ChoosesAsOftenAsItSays) {
+  for (const int count : {1, 2, 3, 8, 45, 1000, 40000}) {
+    SCOPED_TRACE(count);
+    const LightTree tree = make_light_tree(some_lights(count, 1), 3);
+    const LightTreeView view = tree.view();
+    const Vec3 place{2, -1, 3};
+    double sum = 0;
+    std::vector<double> said;
+    for (int i = 0; i < count; ++i) {
+      said.push_back(static_cast<double>(light_tree_probability(view, place, i)));
+      sum += said.back();
+      EXPECT_TRUE(i % 7 != 3 || said.back() == 0);
+    }
+    EXPECT_NEAR(sum, 1, 1e-4);
+    // Evenly spaced numbers meet each light by its probability, but for one at either end. Sums
+    // are in steps of 2^-24, of which a leaf of several lights has a thousand.
+    constexpr int samples = 1 << 20;
+    std::vector<int> found(static_cast<std::size_t>(count), 0);
+    for (int s = 0; s < samples; ++s) {
+      const ChosenLight chosen =
+          sample_light_tree(view, place, (static_cast<float>(s) + 0.5f) / samples);
+      const auto i = static_cast<std::size_t>(chosen.index);
+      ++found[i];
+      ASSERT_GE(chosen.left, 0);
+      ASSERT_LT(chosen.left, 1);
+      ASSERT_NEAR(static_cast<double>(chosen.probability) / said[i], 1, 1e-5);
+    }
+    for (std::size_t i = 0; i < said.size(); ++i)
+      EXPECT_NEAR(found[i], said[i] * samples, 2 + 1e-3 * said[i] * samples) << i;
+  }
+}
+
+TEST(LightTree, OfDirectionalLampsIsTheSameEverywhere) {
+  std::vector<TreeLight> lights;
+  for (int i = 0; i < 4; ++i) lights.push_back(tree_light({}, 1 + i, true));
+  const LightTree tree = make_light_tree(lights, 5);
+  for (int i = 0; i < 4; ++i)
+    for (const float x : {0.0f, 50.0f})
+      // A 64th of all is chosen evenly.
+      EXPECT_NEAR(light_tree_probability(tree.view(), {x, 0, 0}, i),
+                  63.0 / 64 * (1 + i) / 10 + 1.0 / 64 / 4, 1e-6);
+}
+
+// At the distance at which weights are meant a directional lamp and another one are alike; at half
+// of it the other one sends four times as much.
+TEST(LightTree, KnowsTheDistanceOfWeights) {
+  const LightTree tree = make_light_tree({tree_light({}, 3), tree_light({}, 3, true)}, 10);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {10, 0, 0}, 0), 0.5, 1e-6);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {0, 5, 0}, 0), 0.8, 1e-6);
+}
+
+// Variance of one sample's estimate of the sum over all lights of power / distance^2, over that
+// sum squared.
+double variance_of(const LightTree& tree, const std::vector<TreeLight>& lights, Vec3d place) {
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const Vec3d way = lights[i].centre_m - place;
+    const double sent = lights[i].weight / dot(way, way);
+    sum += sent;
+    squares += sent * sent /
+               static_cast<double>(
+                   light_tree_probability(tree.view(), to_float(place), static_cast<std::int32_t>(i)));
+  }
+  return squares / (sum * sum) - 1;
+}
+
+// 400 lamps 6 m apart, 4 m up: lights chosen evenly have a variance of 7 to 26 times the square.
+TEST(LightTree, ChoosesByWhatIsSent) {
+  std::vector<TreeLight> lights;
+  for (int i = 0; i < 400; ++i)
+    lights.push_back(tree_light({6.0 * (i % 20), 4, 6.0 * std::floor(i / 20)}, 1));
+  const LightTree tree = make_light_tree(lights);
+  Random random{3};
+  double worst = 0;
+  for (int k = 0; k < 200; ++k)
+    worst = std::max(worst, variance_of(tree, lights,
+                                        {random.uniform(0, 114), 0, random.uniform(0, 114)}));
+  EXPECT_LT(worst, 3);
+}
+
+TEST(LightTree, FindsPlacesInItsOwnFrame) {
+  Random random{3};
+  const Mat4 placed = translation({70, -20, 5}) * random_rotation(random) * scaling({3, -0.1, 2});
+  float to_frame[12];
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) to_frame[4 * r + c] = static_cast<float>(placed.m[r][c]);
+  const Vec3d at{4, -6, 9};
+  const Vec3d found = to_double(place_before(to_frame, to_float(transform_point(placed, at))));
+  // Places 70 m from the origin are rounded by 4e-6 m, a tenth of the scale.
+  EXPECT_LT(length(found - at), 1e-4);
+  const float flat[12] = {1, 0, 0, 5, 0, 0, 0, 0, 0, 0, 1, 0};
+  EXPECT_EQ(place_before(flat, {1, 2, 3}), Vec3{});
+}
+
+TEST(LightTree, FollowsLightsThatMove) {
+  std::vector<TreeLight> lights = some_lights(64, 5);
+  for (TreeLight& light : lights) light.is_steady = false;
+  LightTree tree = make_light_tree(lights);
+  const Vec3 place{30, 0, 0};
+  EXPECT_LT(light_tree_probability(tree.view(), place, 12), 0.1);
+  lights[12] = tree_light({30, 0.5, 0}, lights[12].weight);
+  place_lights(tree, lights);
+  EXPECT_GT(light_tree_probability(tree.view(), place, 12), 0.5);
+}
+
+}  // namespace
+}  // namespace omma
