@@ -114,6 +114,25 @@ def test_a_full_disk_is_an_error_that_names_the_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("ending", [".zarr", ".nc", ".parquet"])
+def test_a_full_disk_is_an_error_that_names_labelled_files(files, tmp_path, ending):
+    pytest.importorskip({".zarr": "zarr", ".nc": "h5netcdf", ".parquet": "pyarrow"}[ending])
+    poses = np.random.default_rng(1).uniform(-1, 1, (3000, 6))
+    path, out = tmp_path / "path.csv", tmp_path / f"out{ending}"
+    np.savetxt(path, poses, "%.9f", ",", header="x,y,z,yaw_deg,pitch_deg,roll_deg", comments="")
+    render = {"eyes": files / "bug.eye", "path": path, "sampling": omma.Fixed(1)}
+    wrong = pytest.raises(omma.Error, match=re.escape(f"{out.name}: cannot be written"))
+    with small_disk(20_000), wrong:
+        omma.render_file(files / "scene.gltf", out, **render)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_stokes_vectors_are_told_how_they_are_kept(tmp_path):
+    eye = omma.Eye(np.zeros((2, 3)), [[0, 0, -1], [0, 1, 0]], 0.1)
+    with pytest.raises(omma.Error, match=r"numpy\.save"):
+        omma.save_responses(tmp_path / "a.npy", np.ones((1, 2, 3, 4)), eye)
+
+
 def test_a_series_of_pictures_is_there_whole_or_not_at_all(files, tmp_path, monkeypatch):
     path = tmp_path / "path.csv"
     path.write_text("x,y,z,yaw_deg,pitch_deg,roll_deg\n" + "0,1,0,0,0,0\n" * 3 + "0,1,0,90,0,0\n")

@@ -286,6 +286,15 @@ def left_behind(names: Sequence[str], directories: Sequence[str] = ()) -> list[s
     ]
 
 
+@contextmanager
+def named_in_errors(name: str) -> Iterator[None]:
+    """Writing a file by a library that does not say which one could not be written."""
+    try:
+        yield
+    except OSError as error:
+        raise Error(f"{name}: cannot be written: {error.strerror or error}") from None
+
+
 def make_parents(names: Iterable[str]) -> tuple[str, ...]:
     """Makes the directories that files of these names go into; those that were not there before. At
     addresses there are none."""

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omma.base.files import WholeFiles
+from omma.base.files import WholeFiles, named_in_errors
 from omma.base.optional import needs
+from omma.rendering.hdf5_file import opened
 from omma.rendering.labels import WRITTEN, Labels
 from omma.rendering.response_files import Piece
 
@@ -94,8 +95,9 @@ class ZarrWriter:
     def __init__(self, files: WholeFiles, name: str, labels: Labels) -> None:
         zarr = load_package("zarr", name)
         path = files.open_directory(name, ZARR_MARKER, other_than_responses)
+        self._name = name
         self._arrays: dict[str, Any] = {}
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), named_in_errors(name):
             # Zarr warns that texts and the index of a store are newer than its standard; any
             # reader of Zarr 3 in Python, and xarray, reads both.
             warnings.simplefilter("ignore")
@@ -117,9 +119,10 @@ class ZarrWriter:
             zarr.consolidate_metadata(path)
 
     def write(self, piece: Piece) -> None:
-        for variable, values in piece.variables.items():
-            if variable in self._arrays:
-                self._arrays[variable][piece.poses] = values
+        with named_in_errors(self._name):
+            for variable, values in piece.variables.items():
+                if variable in self._arrays:
+                    self._arrays[variable][piece.poses] = values
 
 
 class NetcdfWriter:
@@ -128,9 +131,9 @@ class NetcdfWriter:
     def __init__(self, files: WholeFiles, name: str, labels: Labels) -> None:
         self._h5netcdf = load_package("h5netcdf", name)
         h5py = load_package("h5py", name)
-        self._path = files.path_of(name)
+        self._name, self._path = name, files.path_of(name)
         self._variables = list(labels.variables)
-        with self._open("w") as file:
+        with named_in_errors(name), opened(self._h5netcdf, self._path, "w") as file:
             file.attrs.update(labels.attributes)
             file.dimensions = labels.sizes
             for variable, (dimensions, values, attributes) in labels.coordinates.items():
@@ -147,14 +150,11 @@ class NetcdfWriter:
 
     def write(self, piece: Piece) -> None:
         # Opened for each piece, so that nothing is open where the work is cut off.
-        with self._open("a") as file:
+        appending = opened(self._h5netcdf, self._path, "a")
+        with named_in_errors(self._name), appending as file:
             for variable, values in piece.variables.items():
                 if variable in self._variables:
                     file.variables[variable][piece.poses] = values
-
-    def _open(self, mode: str) -> Any:
-        # The file has the lock of whole files already.
-        return self._h5netcdf.File(self._path, mode, locking=False)
 
 
 def load_package(package: str, name: str) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from omma._core import Error
-from omma.base.files import WholeFiles
+from omma.base.files import WholeFiles, named_in_errors
 from omma.rendering.label_texts import labels_text
 from omma.rendering.labelled_files import load_package
 from omma.rendering.labels import Labels
@@ -57,8 +57,9 @@ class ParquetWriter:
             kinds |= dict.fromkeys(columns, kind)
         metadata = {METADATA: labels_text(labels, {}).encode()}
         self._schema = arrow.schema(list(kinds.items()), metadata=metadata)
+        self._name = name
         self._writer = parquet.ParquetWriter(files.path_of(name), self._schema)
-        files.at_end(self._writer.close)
+        files.at_end(self._close)
 
     def write(self, piece: Piece) -> None:
         count = max(1, _GROUP_ROWS // max(1, self._rows))
@@ -79,7 +80,12 @@ class ParquetWriter:
             each = np.broadcast_to(of_poses, (poses, self._rows, len(names)))
             table = each.reshape(poses * self._rows, len(names))
             columns |= {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)}
-        self._writer.write_table(self._arrow.table(columns, schema=self._schema))
+        with named_in_errors(self._name):
+            self._writer.write_table(self._arrow.table(columns, schema=self._schema))
+
+    def _close(self) -> None:
+        with named_in_errors(self._name):
+            self._writer.close()
 
 
 def columns_of(labels: Labels) -> dict[str, list[str]]:

@@ -207,6 +207,11 @@ def _responses(values: ArrayLike, eye: Eye, name: str) -> NDArray[np.float32]:
     array = array_of(values, name, dtype=np.float32)
     array = array[None] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[1] != len(eye) or not 1 <= array.shape[2] <= _core.most_bands:
-        expected = f"(P, {len(eye)}, bands)"
-        raise Error(f"{name}: expected shape {expected}, found {array.shape}")
+        message = f"{name}: expected shape (P, {len(eye)}, bands), found {array.shape}"
+        if array.ndim == 4 and array.shape[1:3] == (len(eye), 3):
+            message += (
+                f"; of Stokes vectors {name}[:, :, 0] is the intensity, and numpy.save keeps all "
+                "three"
+            )
+        raise Error(message)
     return array
