@@ -207,6 +207,9 @@ void change_eye(Eye& eye, const nb::kwargs& changes) {
     if (follows) eye.up.clear();  // made anew when the eye is validated
   }
   const auto count = static_cast<std::int64_t>(eye.size());
+  if (given("position_m") && changes["position_m"].is_none())
+    throw Error("position_m: expected numbers of shape (" + std::to_string(count) +
+                ", 3), in metres, found None; zeros where all ommatidia look from one place");
   if (given("position_m"))
     eye.position_m = vectors(float_array(changes["position_m"], "position_m", {count, 3}));
   if (given("acceptance_angle_rad")) {

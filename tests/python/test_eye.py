@@ -133,3 +133,8 @@ def test_interommatidial_angle():
 def test_repr(eye):
     assert "60 ommatidia" in repr(eye)
     assert "in memory" in repr(make_eye(3))
+
+
+def test_eyes_without_positions_are_told_that_zeros_will_do():
+    with pytest.raises(omma.Error, match=r"shape \(1, 3\), in metres, found None; zeros"):
+        omma.Eye(None, [[0, 0, -1]], 0.1)

@@ -5,6 +5,7 @@ it is told that all was written, and the error is raised once it is gone.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -14,7 +15,7 @@ class Hdf5File:
     """What h5py asks of a file object. After an error nothing more is written."""
 
     def __init__(self, path: str, mode: str) -> None:
-        self._file = open(path, mode, buffering=0)  # noqa: SIM115, closed by opened
+        self._file = io.FileIO(path, mode)
         self.error: OSError | None = None
 
     def write(self, data: Any) -> int:
@@ -27,7 +28,7 @@ class Hdf5File:
         return len(data)
 
     def read(self, size: int = -1) -> bytes:  # by which h5py knows files
-        return self._file.read(size)
+        return self._file.read(size) or b""
 
     def readinto(self, buffer: Any) -> int:
         view, found = memoryview(buffer), 0
@@ -67,7 +68,7 @@ class Hdf5File:
 @contextmanager
 def opened(h5netcdf: Any, path: str, mode: str) -> Iterator[Any]:
     """A netCDF-4 file, "w" or "a". Raises OSError where it cannot be written."""
-    file = Hdf5File(path, "w+b" if mode == "w" else "r+b")
+    file = Hdf5File(path, "w+" if mode == "w" else "r+")
     try:
         # The file has the lock of whole files already.
         with h5netcdf.File(file, mode, locking=False) as netcdf:

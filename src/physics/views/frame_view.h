@@ -37,7 +37,7 @@ struct EyeView {
 struct DirectionsView {
   int samples = 0;
   // They are those of a pattern of pattern_samples that belong to one of 2^part_bits parts
-  // (rays.h, sample_of_part): all of them, but where frames last while things move.
+  // (pattern_parts.h): all of them, but where frames last while things move.
   int pattern_samples = 0, part = 0, part_bits = 0;
   bool random = false;  // independent directions; else low-discrepancy patterns
   std::uint64_t seed = 0;

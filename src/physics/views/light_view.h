@@ -8,6 +8,7 @@
 #include "omma/scene_kinds.h"
 #include "omma/vec.h"
 #include "physics/lanes/lanes.h"
+#include "physics/views/light_tree_view.h"
 
 namespace omma {
 
@@ -65,25 +66,6 @@ struct LampView {
   float per_range_2 = 0;                  // 1 / range^2, m^-2; 0: without end
   float cone_scale = 0, cone_offset = 1;  // of the cosine from `direction`, of a spot
   const float* strength = nullptr;        // [band], per sr, or per m^2 where directional
-};
-
-// Of lights as one.
-struct LightNode {
-  Vec3 lower, upper;      // m, of the box around them
-  float variance_m2 = 0;  // of their places, by power
-  float power = 0;        // falls with the square of the distance
-  float steady = 0;       // does not: of directional lamps
-};
-
-// A binary tree over lights (physics/light/light_tree.h), complete, in the order of a heap: those
-// below node k are 2 k + 1 and 2 k + 2, and each has half of the lights, which lie in the order of
-// the tree.
-struct LightTreeView {
-  const LightNode* nodes = nullptr;  // [2 leaves - 1]
-  const std::int32_t* light_of_rank = nullptr;
-  const std::int32_t* rank_of_light = nullptr;
-  const float* sum = nullptr;  // [rank + 1], cumulative probabilities where no place is known
-  std::int32_t leaves = 1, count = 0;  // a power of two; of lights
 };
 
 // An instance whose surface shines. Its triangles are chosen by a tree in the mesh's frame, then
