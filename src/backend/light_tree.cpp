@@ -94,7 +94,7 @@ class Placing {
  private:
   void add(std::size_t rank, Cluster& all) const {
     TreeLight light = lights_[static_cast<std::size_t>(tree_.light_of_rank[rank])];
-    light.weight = static_cast<double>(tree_.sum[rank + 1] - tree_.sum[rank]);
+    light.weight /= tree_.total;
     if (light.is_steady)
       all.steady += light.weight;
     else
@@ -135,6 +135,7 @@ LightTree make_light_tree(const std::vector<TreeLight>& lights, double distance_
     weights.push_back(lights[light].weight);
   }
   tree.sum = running_sum(weights);
+  tree.total = std::accumulate(weights.begin(), weights.end(), 0.0);
   place_lights(tree, lights);
   return tree;
 }

@@ -58,9 +58,7 @@ TEST(LightTree, OfDirectionalLampsIsTheSameEverywhere) {
   const LightTree tree = make_light_tree(lights, 5);
   for (int i = 0; i < 4; ++i)
     for (const float x : {0.0f, 50.0f})
-      // A 64th of all is chosen evenly.
-      EXPECT_NEAR(light_tree_probability(tree.view(), {x, 0, 0}, i),
-                  63.0 / 64 * (1 + i) / 10 + 1.0 / 64 / 4, 1e-6);
+      EXPECT_NEAR(light_tree_probability(tree.view(), {x, 0, 0}, i), (1 + i) / 10.0, 1e-6);
 }
 
 // At the distance at which weights are meant a directional lamp and another one are alike; at half
@@ -84,6 +82,14 @@ double variance_of(const LightTree& tree, const std::vector<TreeLight>& lights, 
                    light_tree_probability(tree.view(), to_float(place), static_cast<std::int32_t>(i)));
   }
   return squares / (sum * sum) - 1;
+}
+
+// A lamp far weaker than another is chosen by what it sends, also where the other is near.
+TEST(LightTree, DoesNotOverrateWhatIsWeak) {
+  const LightTree tree = make_light_tree({tree_light({}, 1e-6), tree_light({9, 0, 0}, 1)});
+  EXPECT_NEAR(light_tree_probability(tree.view(), {9, 3, 0}, 0) / (1e-6 * 9 / 90), 1, 1e-4);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {0, 1e-3f, 0}, 0), 1 / (1 + 1e-6 / 1e-6 / 81),
+              1e-4);
 }
 
 // 400 lamps 6 m apart, 4 m up: lights chosen evenly have a variance of 7 to 26 times the square.
