@@ -77,18 +77,22 @@ std::string pose_slip(std::span<const Mat4> world_from_head, Vec3d origin_m, dou
     const std::string place = "poses[" + std::to_string(p) + "]";
     if (mirrored || std::sqrt(*most) > 1 + notable_stretch ||
         std::sqrt(*least) < 1 - notable_stretch || skew > notable_stretch * *most) {
-      // The whole transform of a camera's node applies to its eye, as scene files say.
+      // The whole transform of a camera's node applies to its eye, as CompoundRay's files have it:
+      // one that is as large along all axes is meant, a mirror or a stretch hardly.
       const bool is_camera = std::any_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
         for (int r = 0; r < 3; ++r)
           if (!std::equal(m[r], m[r] + 3, camera.world_from_camera.m[r])) return false;
         return true;
       });
-      if (is_camera) continue;
-      if (mirrored) return place + " mirrors the head: its right is left; expected a turn";
+      const bool is_even = skew <= notable_stretch * *most &&
+                           std::sqrt(*least) > (1 - notable_stretch) * std::sqrt(*most);
+      if (is_camera && is_even && !mirrored) continue;
+      const std::string of = place + (is_camera ? ", of a camera of the scene," : "");
+      if (mirrored) return of + " mirrors the head: its right is left; expected a turn";
       char stretches[80];
       std::snprintf(stretches, sizeof stretches, " by %.3g to %.3g", std::sqrt(*least),
                     std::sqrt(*most));
-      return place + " stretches the head" + stretches +
+      return of + " stretches the head" + stretches +
              ", and where its ommatidia are; expected a turn and a place in metres";
     }
     const Vec3d there{m[0][3], m[1][3], m[2][3]};

@@ -311,9 +311,10 @@ def test_axes_in_radians_under_names_of_degrees_are_told(tmp_path):
     elevation_rad = np.arcsin(eye.axis[:, 1])
     head = "azimuth_deg,elevation_deg,acceptance_angle_deg"
     path = tmp_path / "eye.csv"
-    for scale, is_told in ((1, True), (180 / np.pi, False)):
+    # In radians the angles alone, and the acceptance angles too.
+    for scale, width, is_told in ((1, 5, True), (1, 0.05, True), (180 / np.pi, 5, False)):
         rows = [
-            f"{azimuth:.5f},{elevation:.5f},5"
+            f"{azimuth:.5f},{elevation:.5f},{width}"
             for azimuth, elevation in zip(scale * azimuth_rad, scale * elevation_rad, strict=True)
         ]
         path.write_text("\n".join([head, *rows]))

@@ -494,6 +494,22 @@ def test_a_cameras_own_scale_is_meant(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("scale", "words"),
+    [
+        ([-1, 1, 1], "of a camera of the scene, mirrors"),
+        ([1, 3, 1], "stretches the head by 1 to 3"),
+    ],
+)
+def test_cameras_that_mirror_or_stretch_are_told(tmp_path, scale, words):
+    place = {"translation": [0, 1, 0], "scale": scale}
+    scene = omma.load_scene(write_gltf(tmp_path / "s.gltf", cameras=[("odd", None, place)]))
+    renderer = omma.Renderer(scene, omma.Eye([[0, 0, 0]], [[0, 0, -1]], 0.1), omma.Fixed(1))
+    told, _ = told_of(lambda: renderer.render("odd"))
+    assert len(told) == 1
+    assert words in told[0]
+
+
+@pytest.mark.parametrize(
     ("angles", "seen_deg"),
     [
         ([[math.pi / 2, 0, 0]], "90"),

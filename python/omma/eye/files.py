@@ -182,7 +182,8 @@ def _radians_as_degrees(eye: Eye) -> list[str]:
 
 def _axes_in_radians(eye: Eye) -> list[str]:
     """What there is to tell of many axes within 3.2 degrees of ahead that lie so near to each other
-    as no animal's do beside its acceptance angles: azimuths and elevations were radians."""
+    as no animal's do beside its acceptance angles: azimuths and elevations were radians. And of
+    such whose acceptance angles are below those of any animal (`_radians_as_degrees`): all were."""
     if len(eye) < 20:
         return []
     azimuth_deg = np.degrees(np.arctan2(eye.axis[:, 0], -eye.axis[:, 2]))
@@ -192,7 +193,14 @@ def _axes_in_radians(eye: Eye) -> list[str]:
         return []
     apart_deg = float(np.degrees(np.median(eye.interommatidial_angle_rad())))
     width_deg = float(np.degrees(np.median(eye.acceptance_angle_rad)))
-    if not (apart_deg > 0 and width_deg > 8 * apart_deg and farthest_deg > 0.5):
+    if not (apart_deg > 0 and farthest_deg > 0.5):
+        return []
+    if 0 < width_deg < 0.2:
+        return [
+            f"all axes lie within {farthest_deg:.2g}° of ahead, and acceptance angles are about "
+            f"{width_deg:.2g}°, less than any animal's: all may be radians under names of degrees"
+        ]
+    if width_deg <= 8 * apart_deg:
         return []
     return [
         f"all axes lie within {farthest_deg:.2g}° of ahead, {apart_deg:.2g}° apart, and acceptance "
