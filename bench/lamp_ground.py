@@ -3,7 +3,9 @@
 .venv/bin/python bench/lamp_ground.py
 
 289 ommatidia of 0.1 deg look at a matt plane below point lamps of 100 cd, 4 m up on a grid of 6 m:
-one render each, beside the sum over all lamps of I cos / d^2.
+one render each, beside the sum over all lamps of I cos / d^2. Then one lamp of 100 cd, 5 m up,
+under a full moon, over grounds of different sizes: how often a shadow ray looks for which kind of
+light is the same everywhere in a scene.
 """
 
 import platform
@@ -66,6 +68,34 @@ def main() -> None:
             f"{np.sqrt(np.mean(said**2)):12.1%} {np.median(off) + 1:12.3f} "
             f"{np.mean(np.abs(off) > 3 * said):8.1%}"
         )
+    lamp_under_moon()
+
+
+def lamp_under_moon() -> None:
+    bands = omma.light.Bands.equal(3, 400, 700)
+    moon, dark = omma.light.moonlit_sky(45, bands=bands), omma.light.lamps(bands=bands)
+    eye = omma.eye.generate_eye(1000)
+    eye = eye.take(np.flatnonzero(eye.axis[:, 1] < -0.8))
+    pose = omma.poses_from_angles((2, 1.5, 0), (0, 0, 0))
+    matt = omma.scene.Material(specular=0, base_color=(REFLECTANCE,) * 3)
+    world_from_light = np.eye(4)
+    world_from_light[1, 3] = 5
+    lamp = omma.scene.PunctualLight("lamp", intensity=100, world_from_light=world_from_light)
+
+    def seen(scene, light, samples, seed=0):
+        renderer = omma.Renderer(omma.World(scene, light=light), eye, samples, seed=seed)
+        return renderer.render(pose)[0, :, 1]
+
+    print("ground, m  off by, rms  ToError(0.05)")
+    for size in (20, 200, 2000):
+        ground = omma.scene.plane((size, size)).replace(materials=[matt])
+        lit = ground.replace(lights=[lamp])
+        true = seen(lit, dark, omma.Fixed(1024)) + seen(ground, moon, omma.Fixed(1024))
+        found = []
+        for samples in (omma.Fixed(16), omma.ToError(relative_error=0.05)):
+            off = [seen(lit, moon, samples, seed) / true - 1 for seed in range(8)]
+            found.append(np.sqrt(np.mean(np.square(off))))
+        print(f"{size:9d} {found[0]:12.1%} {found[1]:13.1%}")
 
 
 def one_lamp(pose: np.ndarray) -> float:

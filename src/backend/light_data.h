@@ -9,7 +9,7 @@
 
 #include <oneapi/tbb/cache_aligned_allocator.h>
 
-#include "backend/light_tree.h"
+#include "backend/light_tree_data.h"
 #include "model/scene_place.h"
 #include "omma/light.h"
 #include "omma/scene.h"

@@ -1,7 +1,7 @@
 // One of many lights: chosen as often as is said, and about by what it sends to a place.
 #include <gtest/gtest.h>
 
-#include "backend/light_tree.h"
+#include "backend/light_tree_data.h"
 #include "physics/light/light_tree.h"
 #include "test_scenes.h"
 

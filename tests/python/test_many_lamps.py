@@ -128,3 +128,38 @@ def test_a_panel_that_is_carried_elsewhere(backend):
     now[7] = moved[:3, 3]
     # Nearly all is its own light; chosen as often as one of 300 it is missed by most.
     check(world, lit_by_panels(now), 16, 0.04)
+
+
+def spot_upwards():
+    world_from_light = np.array([[1, 0, 0, 3], [0, 0, -1, 0.5], [0, 1, 0, 0], [0, 0, 0, 1]], float)
+    if (world_from_light[:3, :3] @ (0, 0, -1))[1] < 0:
+        world_from_light[:3, 1:3] *= -1
+    return omma.scene.PunctualLight(
+        "up", type="spot", intensity=5000, inner_cone_rad=0.2, outer_cone_rad=0.4,
+        world_from_light=world_from_light,
+    )  # fmt: skip
+
+
+def out_of_range():
+    world_from_light = np.eye(4)
+    world_from_light[:3, 3] = 3, 4, 0
+    return omma.scene.PunctualLight(
+        "near", intensity=5000, range_m=2, world_from_light=world_from_light
+    )
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("other", [spot_upwards(), out_of_range()], ids=["spot", "range"])
+def test_a_strong_lamp_that_does_not_reach_a_place_is_not_chosen_there(other, backend):
+    """Most responses were 0 with an error of 0."""
+    above = np.eye(4)
+    above[1, 3] = 8
+    street = omma.scene.PunctualLight("street", intensity=100, world_from_light=above)
+    eye, pose = look_down(PLACES)
+
+    def seen(lights):
+        scene = GROUND.replace(lights=lights)
+        world = omma.World(scene, light=LAMPS, depth=1, backend=backend)
+        return omma.Renderer(world, eye, omma.Fixed(16)).render(pose)
+
+    np.testing.assert_allclose(seen([street, other]), seen([street]), rtol=1e-5)

@@ -419,3 +419,32 @@ def test_stl_files_that_are_cut_off_are_told(tmp_path, kind):
     told = {"stl": "expected 320 triangles, as its head says, found 159$", "stl_ascii": "endsolid"}
     with pytest.raises(omma.Error, match=told[kind]):
         omma.load_scene(path)
+
+
+@pytest.mark.parametrize("kind", ["of vertices", "of corners"])
+def test_pictures_of_ply_files_are_seen(tmp_path, kind):
+    """A wall ahead with a picture of four colours: its upper left is red."""
+    colours = np.float32([[[1, 0, 0], [0, 1, 0]], [[0, 0, 1], [1, 1, 1]]])  # rows from the top
+    pixels = np.repeat(np.repeat(colours, 8, 0), 8, 1)
+    omma.save_png(tmp_path / "p.png", (pixels * 255).astype(np.uint8))
+    corners, at = [(-1, -1), (1, -1), (1, 1), (-1, 1)], [(0, 0), (1, 0), (1, 1), (0, 1)]
+    head = ["ply", "format ascii 1.0", "comment TextureFile p.png", "element vertex 4"]
+    head += [f"property float {name}" for name in "xyz"]
+    if kind == "of vertices":
+        head += ["property float s", "property float t"]
+    head += ["element face 2", "property list uchar int vertex_indices"]
+    if kind == "of corners":
+        head += ["property list uchar float texcoord"]
+    lines = []
+    for (x, y), (s, t) in zip(corners, at, strict=True):
+        lines.append(f"{x} {y} -2" + (f" {s} {t}" if kind == "of vertices" else ""))
+    for face in ((0, 1, 2), (0, 2, 3)):
+        coordinates = " ".join(f"{s} {t}" for s, t in (at[k] for k in face))
+        lines.append("3 " + " ".join(map(str, face)))
+        lines[-1] += f" 6 {coordinates}" if kind == "of corners" else ""
+    path = tmp_path / "wall.ply"
+    path.write_text("\n".join([*head, "end_header", *lines, ""]))
+    axes = [(x, y, -2) for y in (0.5, -0.5) for x in (-0.5, 0.5)]
+    eye = omma.Eye(np.zeros((4, 3)), np.array(axes) / np.linalg.norm(axes, axis=1)[:, None], 0.01)
+    seen = omma.Renderer(load_scene(path), eye, omma.Fixed(4)).render(np.eye(4))[0]
+    np.testing.assert_allclose(seen, colours.reshape(4, 3), atol=0.01)

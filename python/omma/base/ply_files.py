@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omma import _core
-from omma._core import Error, Image, Material
+from omma._core import Error, Image, Material, Texture
 from omma.base.mesh_parts import MeshParts, Piece, colors_and_mode, linear
 from omma.base.mesh_pictures import opaque, read_picture
 from omma.base.number_lines import are_numbers, line_error, numbers_in, words_in_lines
@@ -337,7 +337,7 @@ def _coordinates(columns: _Columns) -> NDArray[np.float64] | None:
 
 
 def _add_picture(path: str, name: str, parts: MeshParts) -> int | None:
-    """The number of the picture; None where it cannot be read, which is told."""
+    """The number of the texture; None where its picture cannot be read, which is told."""
     file = os.path.join(os.path.dirname(path), name.replace("\\", "/"))
     try:
         if not os.path.isfile(file):
@@ -346,4 +346,5 @@ def _add_picture(path: str, name: str, parts: MeshParts) -> int | None:
     except (Error, ValueError) as error:
         parts.warnings.append(str(error))
         return None
-    return 0
+    parts.textures.append(Texture(len(parts.images) - 1))
+    return len(parts.textures) - 1

@@ -58,12 +58,37 @@ OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, cons
   return chosen * seen_triangle_pdf(seen, direction, met.distance_m);
 }
 
+// So many lamps are weighed one by one by what each sends to a place, range and cone included; of
+// more a tree knows their distance alone.
+inline constexpr std::int32_t few_lamps = 16;
+
+OMMA_HD float lamp_irradiance(const LightView& light, std::int32_t lamp, Vec3 from_lamps) {
+  float strength = 0;
+  for (int k = 0; k < light.bands; ++k) strength += light.lamps[lamp].strength[k];
+  return strength * eval_lamp_at(light.lamps[lamp], from_lamps).scale;
+}
+
+OMMA_HD ChosenLight choose_lamp(const LightView& light, Vec3 from_lamps, float u) {
+  if (light.lamp_count > few_lamps) return sample_light_tree(light.lamp_tree, from_lamps, u);
+  float all = 0;
+  for (std::int32_t i = 0; i < light.lamp_count; ++i) all += lamp_irradiance(light, i, from_lamps);
+  ChosenLight chosen{0, 0.0f, 0.0f};
+  float sum = 0;
+  for (std::int32_t i = 0; i < light.lamp_count && sum <= u * all; ++i) {
+    const float sent = lamp_irradiance(light, i, from_lamps);
+    if (!(sent > 0.0f)) continue;
+    sum += sent;
+    chosen = {i, sent / all, 0.0f};
+  }
+  return chosen;
+}
+
 OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
   LightSample sample;
   const float* origin = light.lamp_origin_m;
   const Vec3 from_lamps =
       origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
-  const ChosenLight chosen = sample_light_tree(light.lamp_tree, from_lamps, u);
+  const ChosenLight chosen = choose_lamp(light, from_lamps, u);
   sample.index = chosen.index;
   const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
   sample.kind = LightKind::lamp;

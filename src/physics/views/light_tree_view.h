@@ -1,5 +1,5 @@
 // Trees over lights, as the physics sees them (physics/light/light_tree.h). Made by
-// backend/light_tree.
+// backend/light_tree_data.
 #pragma once
 
 #include <cstdint>

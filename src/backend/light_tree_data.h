@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "omma/scene.h"
-#include "physics/views/light_view.h"
+#include "physics/views/light_tree_view.h"
 
 namespace omma {
 
 // A light of a tree, or several close to each other.
 struct TreeLight {
-  Bounds box;              // m
+  Bounds box;  // m
   Vec3d centre_m;
   double variance_m2 = 0;  // of places on it about its centre
   double weight = 0;       // what it sends to places at the same distance, any unit

@@ -1,5 +1,5 @@
 // Binary trees over lights: divided at the median of their longest axis, down to single lights.
-#include "backend/light_tree.h"
+#include "backend/light_tree_data.h"
 
 #include <algorithm>
 #include <numeric>
@@ -34,8 +34,8 @@ int longest_axis(const std::vector<TreeLight>& lights, const std::int32_t* first
 }
 
 // Sorts lights from `first` on into `leaves` leaves, a power of two.
-void sort_into_leaves(const std::vector<TreeLight>& lights, std::int32_t* first,
-                      std::int32_t* last, std::size_t leaves) {
+void sort_into_leaves(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
+                      std::size_t leaves) {
   if (leaves == 1 || last - first < 2) return;
   const int axis = longest_axis(lights, first, last);
   std::int32_t* const middle = first + (last - first) / 2;
@@ -84,10 +84,10 @@ class Placing {
       all = {join(low.falling, high.falling), low.steady + high.steady};
     }
     const TreeLight& falling = all.falling;
-    tree_.nodes[node] = {
-        to_float(falling.box.lower), to_float(falling.box.upper),
-        static_cast<float>(falling.variance_m2), static_cast<float>(falling.weight),
-        static_cast<float>(all.steady / (tree_.distance_m * tree_.distance_m))};
+    tree_.nodes[node] = {to_float(falling.box.lower), to_float(falling.box.upper),
+                         static_cast<float>(falling.variance_m2),
+                         static_cast<float>(falling.weight),
+                         static_cast<float>(all.steady / (tree_.distance_m * tree_.distance_m))};
     return all;
   }
 
@@ -112,7 +112,10 @@ TreeLight tree_light(Vec3d place_m, double weight, bool is_steady) {
 }
 
 LightTreeView LightTree::view() const {
-  return {nodes.data(), light_of_rank.data(), rank_of_light.data(), sum.data(),
+  return {nodes.data(),
+          light_of_rank.data(),
+          rank_of_light.data(),
+          sum.data(),
           static_cast<std::int32_t>((nodes.size() + 1) / 2),
           static_cast<std::int32_t>(light_of_rank.size())};
 }
