@@ -1,4 +1,4 @@
-// Binary trees over lights: divided at the median of their longest axis, down to single lights.
+// Binary trees over lights: divided at the middle of their longest axis, down to single lights.
 #include "backend/light_tree_data.h"
 
 #include <algorithm>
@@ -12,6 +12,17 @@ namespace {
 
 // Of more lights several share a leaf, so that a tree of a million triangles stays small.
 constexpr std::size_t most_leaves = 1 << 14;
+
+// Places in the tree for each light, where there are few: a side with many of them may have most of
+// the places below a node, so that what lies far from all others stands alone.
+constexpr std::size_t places_each = 16;
+
+std::size_t places_for(std::size_t lights) {
+  const std::size_t wanted = std::max(2 * lights, std::min(places_each * lights, most_leaves));
+  std::size_t places = 1;
+  while (places < wanted && lights > 1) places *= 2;
+  return places;
+}
 
 double along(Vec3d place, int axis) {
   return axis == 0 ? place.x : axis == 1 ? place.y : place.z;
@@ -33,19 +44,35 @@ int longest_axis(const std::vector<TreeLight>& lights, const std::int32_t* first
   return longest;
 }
 
-// Sorts lights from `first` on into `leaves` leaves, a power of two.
-void sort_into_leaves(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
-                      std::size_t leaves) {
-  if (leaves == 1 || last - first < 2) return;
+// Gives lights places of the tree, `count` from `place` on, a power of two: halves the box around
+// them at the middle of its longest axis, where either side has places for its lights.
+void give_places(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
+                 std::int32_t* place, std::size_t count, std::size_t per_leaf) {
+  const auto number = static_cast<std::size_t>(last - first);
+  if (count <= per_leaf) {
+    std::copy(first, last, place);
+    return;
+  }
+  if (number == 0) return;
   const int axis = longest_axis(lights, first, last);
-  std::int32_t* const middle = first + (last - first) / 2;
-  std::nth_element(first, middle, last, [&](std::int32_t a, std::int32_t b) {
-    const double at_a = along(lights[static_cast<std::size_t>(a)].centre_m, axis);
-    const double at_b = along(lights[static_cast<std::size_t>(b)].centre_m, axis);
-    return at_a != at_b ? at_a < at_b : a < b;
-  });
-  sort_into_leaves(lights, first, middle, leaves / 2);
-  sort_into_leaves(lights, middle, last, leaves / 2);
+  const auto at = [&](std::int32_t light) {
+    return along(lights[static_cast<std::size_t>(light)].centre_m, axis);
+  };
+  const auto [low, high] = std::minmax_element(
+      first, last, [&](std::int32_t a, std::int32_t b) { return at(a) < at(b); });
+  const double middle = at(*low) + 0.5 * (at(*high) - at(*low));
+  const auto below = static_cast<std::size_t>(
+      std::count_if(first, last, [&](std::int32_t light) { return at(light) < middle; }));
+  const std::size_t half = count / 2;
+  const std::size_t split =
+      below == 0 ? std::min(number / 2 + number % 2, half)
+                 : std::clamp(below, number > half ? number - half : std::size_t{0}, half);
+  if (split < number)
+    std::nth_element(first, first + split, last, [&](std::int32_t a, std::int32_t b) {
+      return at(a) != at(b) ? at(a) < at(b) : a < b;
+    });
+  give_places(lights, first, first + split, place, half, per_leaf);
+  give_places(lights, first + split, last, place + half, half, per_leaf);
 }
 
 // Lights as one: their centroid by weight, and their variance about it.
@@ -93,6 +120,7 @@ class Placing {
 
  private:
   void add(std::size_t rank, Cluster& all) const {
+    if (tree_.light_of_rank[rank] < 0) return;
     TreeLight light = lights_[static_cast<std::size_t>(tree_.light_of_rank[rank])];
     light.weight /= tree_.total;
     if (light.is_steady)
@@ -123,28 +151,33 @@ LightTreeView LightTree::view() const {
 LightTree make_light_tree(const std::vector<TreeLight>& lights, double distance_m) {
   LightTree tree;
   tree.distance_m = distance_m;
-  std::size_t leaves = 1;
-  while (leaves < lights.size() && leaves < most_leaves) leaves *= 2;
-  tree.nodes.resize(2 * leaves - 1);
-  tree.light_of_rank.resize(lights.size());
-  std::iota(tree.light_of_rank.begin(), tree.light_of_rank.end(), 0);
-  sort_into_leaves(lights, tree.light_of_rank.data(), tree.light_of_rank.data() + lights.size(),
-                   leaves);
-  tree.rank_of_light.resize(lights.size());
-  std::vector<double> weights;
-  for (std::size_t rank = 0; rank < lights.size(); ++rank) {
-    const auto light = static_cast<std::size_t>(tree.light_of_rank[rank]);
-    tree.rank_of_light[light] = static_cast<std::int32_t>(rank);
-    weights.push_back(lights[light].weight);
-  }
-  tree.sum = running_sum(weights);
-  tree.total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (const TreeLight& light : lights) tree.total += light.weight;
+  const std::size_t places = places_for(lights.size());
+  tree.nodes.resize(2 * std::min(places, most_leaves) - 1);
+  tree.light_of_rank.resize(places);
+  tree.rank_of_light.resize(places);
+  tree.sum.resize(places + 1);
   place_lights(tree, lights);
   return tree;
 }
 
 void place_lights(LightTree& tree, const std::vector<TreeLight>& lights) {
-  tree.all = Placing(tree, lights).place(0, 0, lights.size()).falling;
+  const std::size_t places = tree.light_of_rank.size();
+  std::vector<std::int32_t> order(lights.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::fill(tree.light_of_rank.begin(), tree.light_of_rank.end(), -1);
+  give_places(lights, order.data(), order.data() + order.size(), tree.light_of_rank.data(), places,
+              std::max(places / most_leaves, std::size_t{1}));
+  std::vector<double> weights(places, 0.0);
+  for (std::size_t rank = 0; rank < places; ++rank) {
+    if (tree.light_of_rank[rank] < 0) continue;
+    const auto light = static_cast<std::size_t>(tree.light_of_rank[rank]);
+    tree.rank_of_light[light] = static_cast<std::int32_t>(rank);
+    weights[rank] = lights[light].weight;
+  }
+  const std::vector<float> sum = running_sum(weights);
+  std::copy(sum.begin(), sum.end(), tree.sum.begin());  // where it is: views know the address
+  tree.all = Placing(tree, lights).place(0, 0, places).falling;
 }
 
 }  // namespace omma

@@ -25,6 +25,7 @@ TreeLight tree_light(Vec3d place_m, double weight, bool is_steady = false);
 // Owns what its view points to.
 struct LightTree {
   std::vector<LightNode> nodes;
+  // More than there are lights: -1 where there is none.
   std::vector<std::int32_t> light_of_rank, rank_of_light;
   std::vector<float> sum;
   double distance_m = 1;  // at which weights are
@@ -37,7 +38,7 @@ struct LightTree {
 // `distance_m`: at which the weights of all lights are meant.
 LightTree make_light_tree(const std::vector<TreeLight>& lights, double distance_m = 1);
 
-// The same lights are elsewhere. Who is whose neighbour stays.
+// The same lights are elsewhere; addresses stay.
 void place_lights(LightTree& tree, const std::vector<TreeLight>& lights);
 
 }  // namespace omma

@@ -198,9 +198,9 @@ void visit_arrays(LampView& view, Visit& visit, std::int32_t bands) {
 template <typename Visit>
 void visit_arrays(LightTreeView& view, Visit& visit, Version placed) {
   visit(view.nodes, {2 * view.leaves - 1}, placed);
-  visit(view.light_of_rank, {view.count});
-  visit(view.rank_of_light, {view.count});
-  visit(view.sum, {view.count + 1});
+  visit(view.light_of_rank, {view.count}, placed);
+  visit(view.rank_of_light, {view.count}, placed);
+  visit(view.sum, {view.count + 1}, placed);
 }
 
 template <typename Visit>

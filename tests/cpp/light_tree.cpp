@@ -72,15 +72,19 @@ TEST(LightTree, KnowsTheDistanceOfWeights) {
 // Variance of one sample's estimate of the sum over all lights of power / distance^2, over that
 // sum squared.
 double variance_of(const LightTree& tree, const std::vector<TreeLight>& lights, Vec3d place) {
-  double sum = 0, squares = 0;
+  double sum = 0, squares = 0, never = 0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const Vec3d way = lights[i].centre_m - place;
     const double sent = lights[i].weight / dot(way, way);
     sum += sent;
-    squares += sent * sent /
-               static_cast<double>(
-                   light_tree_probability(tree.view(), to_float(place), static_cast<std::int32_t>(i)));
+    const auto chosen = static_cast<double>(
+        light_tree_probability(tree.view(), to_float(place), static_cast<std::int32_t>(i)));
+    if (chosen > 0)
+      squares += sent * sent / chosen;
+    else  // below the precision of 1 - share
+      never += sent;
   }
+  EXPECT_LE(never, 1e-7 * sum);
   return squares / (sum * sum) - 1;
 }
 
@@ -104,6 +108,23 @@ TEST(LightTree, ChoosesByWhatIsSent) {
     worst = std::max(worst, variance_of(tree, lights,
                                         {random.uniform(0, 114), 0, random.uniform(0, 114)}));
   EXPECT_LT(worst, 3);
+}
+
+// One far away, as strong as each of the others or a million times as strong.
+TEST(LightTree, LetsWhatIsFarFromAllOthersStandAlone) {
+  Random random{4};
+  std::vector<TreeLight> lights;
+  for (int i = 0; i < 300; ++i)
+    lights.push_back(tree_light({random.uniform(-60, 60), 4, random.uniform(-60, 60)}, 1));
+  for (const double strength : {1.0, 1e6}) {
+    std::vector<TreeLight> with_far = lights;
+    with_far.push_back(tree_light({3e4, 4, 0}, strength));
+    const LightTree tree = make_light_tree(lights), far = make_light_tree(with_far);
+    for (int k = 0; k < 50; ++k) {
+      const Vec3d at{random.uniform(-50, 50), 0, random.uniform(-50, 50)};
+      EXPECT_LT(variance_of(far, with_far, at), 2 * variance_of(tree, lights, at) + 0.1);
+    }
+  }
 }
 
 TEST(LightTree, FindsPlacesInItsOwnFrame) {
