@@ -93,7 +93,7 @@ def test_point_lamps(backend):
     away = places - PLACES[:, None]
     distance = np.linalg.norm(away, axis=2)
     true = REFLECTANCE / np.pi * (away[..., 1] / distance**3).sum(1)
-    # 3.4 %; chosen by their strength alone 42 %.
+    # 2.7 %; chosen by their strength alone 42 %.
     check(world, true, 16, 0.07)
 
 
@@ -170,8 +170,8 @@ def test_a_strong_lamp_that_does_not_reach_a_place_is_not_chosen_there(other, ba
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_lamp_far_from_all_others_takes_nothing_from_them(backend):
-    """With one of them 3 km away responses had been half of what they are, 97 % of them beyond three
-    errors."""
+    """With one of them 3 km away responses had been half of what they are, 97 % of them beyond
+    three errors."""
     places = np.vstack([lamp_places(30), [[3000, UP_M, 0]]])
     scene = omma.scene.merge_scenes([GROUND, panels(places, True)])
     world = omma.World(scene, light=LAMPS, depth=1, backend=backend)

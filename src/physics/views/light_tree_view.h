@@ -17,14 +17,14 @@ struct LightNode {
 };
 
 // A binary tree over lights (physics/light/light_tree.h), complete, in the order of a heap: those
-// below node k are 2 k + 1 and 2 k + 2, and each has half of the lights, which lie in the order of
-// the tree.
+// below node k are 2 k + 1 and 2 k + 2, and each has half of the node's ranks. Of some ranks there
+// is no light.
 struct LightTreeView {
   const LightNode* nodes = nullptr;  // [2 leaves - 1]
-  const std::int32_t* light_of_rank = nullptr;
-  const std::int32_t* rank_of_light = nullptr;
+  const std::int32_t* light_of_rank = nullptr;  // [rank]
+  const std::int32_t* rank_of_light = nullptr;  // [light], as long as the other
   const float* sum = nullptr;  // [rank + 1], cumulative probabilities where no place is known
-  std::int32_t leaves = 1, count = 0;  // a power of two; of lights
+  std::int32_t leaves = 1, count = 0;  // powers of two; of ranks
 };
 
 }  // namespace omma
