@@ -5,7 +5,8 @@
 289 ommatidia of 0.1 deg look at a matt plane below point lamps of 100 cd, 4 m up on a grid of 6 m:
 one render each, beside the sum over all lamps of I cos / d^2. Then one lamp of 100 cd, 5 m up,
 under a full moon, over grounds of different sizes: how often a shadow ray looks for which kind of
-light is the same everywhere in a scene.
+light is the same everywhere in a scene. And 20 of the first lamps beside one, 500 times as strong,
+that points upwards, or one in a cellar: what reaches no place there.
 """
 
 import platform
@@ -69,6 +70,7 @@ def main() -> None:
             f"{np.mean(np.abs(off) > 3 * said):8.1%}"
         )
     lamp_under_moon()
+    lamps_that_do_not_reach(eye, pose)
 
 
 def lamp_under_moon() -> None:
@@ -96,6 +98,34 @@ def lamp_under_moon() -> None:
             off = [seen(lit, moon, samples, seed) / true - 1 for seed in range(8)]
             found.append(np.sqrt(np.mean(np.square(off))))
         print(f"{size:9d} {found[0]:12.1%} {found[1]:13.1%}")
+
+
+def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
+    upwards = np.array([[1, 0, 0, 3], [0, 0, -1, 0.5], [0, 1, 0, 0], [0, 0, 0, 1]], float)
+    below = np.eye(4)
+    below[:3, 3] = 3, -1, 0
+    strong = {"intensity": 50_000}
+    cone = {"inner_cone_rad": 0.2, "outer_cone_rad": 0.4}
+    spot = omma.scene.PunctualLight("up", type="spot", world_from_light=upwards, **cone, **strong)
+    cellar = omma.scene.PunctualLight("cellar", world_from_light=below, **strong)
+    print("lamps  beside       off by, rms  median/true  0 +- 0  ToError(0.05)")
+    for count in (10, 20):
+        world = world_of(lamps_on_a_grid(count))
+        true = omma.Renderer(world, eye, omma.Fixed(1024)).render(pose)[0, :, 0]
+        for lamp in (spot, cellar):
+            scene = world.scene.replace(lights=[*world.scene.lights, lamp])
+            both = omma.World(scene, light=world.light, depth=1)
+            response, error = omma.Renderer(both, eye, omma.Fixed(16)).render(
+                pose, standard_error=True
+            )
+            found, claimed = response[0, :, 0] / true, error[0, :, 0]
+            reached = omma.Renderer(both, eye, omma.ToError(relative_error=0.05)).render(pose)
+            off = np.sqrt(np.mean((reached[0, :, 0] / true - 1) ** 2))
+            dark = np.mean((found == 0) & (claimed == 0))
+            print(
+                f"{count:5d}  {lamp.name:11s} {np.sqrt(np.mean((found - 1) ** 2)):12.1%} "
+                f"{np.median(found):12.3f} {dark:7.1%} {off:14.1%}"
+            )
 
 
 def one_lamp(pose: np.ndarray) -> float:

@@ -13,15 +13,15 @@ namespace {
 // Of more lights several share a leaf, so that a tree of a million triangles stays small.
 constexpr std::size_t most_leaves = 1 << 14;
 
-// Places in the tree for each light, where there are few: a side with many of them may have most of
-// the places below a node, so that what lies far from all others stands alone.
-constexpr std::size_t places_each = 16;
+// Ranks of the tree for each light, where there are few: more than half of a node's lights may be
+// on one side then, so that what lies far from all others stands alone.
+constexpr std::size_t ranks_each = 16;
 
-std::size_t places_for(std::size_t lights) {
-  const std::size_t wanted = std::max(2 * lights, std::min(places_each * lights, most_leaves));
-  std::size_t places = 1;
-  while (places < wanted && lights > 1) places *= 2;
-  return places;
+std::size_t ranks_for(std::size_t lights) {
+  const std::size_t wanted = std::max(2 * lights, std::min(ranks_each * lights, most_leaves));
+  std::size_t ranks = 1;
+  while (ranks < wanted && lights > 1) ranks *= 2;
+  return ranks;
 }
 
 double along(Vec3d place, int axis) {
@@ -44,13 +44,14 @@ int longest_axis(const std::vector<TreeLight>& lights, const std::int32_t* first
   return longest;
 }
 
-// Gives lights places of the tree, `count` from `place` on, a power of two: halves the box around
-// them at the middle of its longest axis, where either side has places for its lights.
-void give_places(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
-                 std::int32_t* place, std::size_t count, std::size_t per_leaf) {
+// Gives lights `count` ranks of the tree, a power of two, whose lights begin at `ranked`: halves
+// the box around them at the middle of its longest axis, where either side has ranks for its
+// lights.
+void give_ranks(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
+                std::int32_t* ranked, std::size_t count, std::size_t per_leaf) {
   const auto number = static_cast<std::size_t>(last - first);
   if (count <= per_leaf) {
-    std::copy(first, last, place);
+    std::copy(first, last, ranked);
     return;
   }
   if (number == 0) return;
@@ -71,8 +72,8 @@ void give_places(const std::vector<TreeLight>& lights, std::int32_t* first, std:
     std::nth_element(first, first + split, last, [&](std::int32_t a, std::int32_t b) {
       return at(a) != at(b) ? at(a) < at(b) : a < b;
     });
-  give_places(lights, first, first + split, place, half, per_leaf);
-  give_places(lights, first + split, last, place + half, half, per_leaf);
+  give_ranks(lights, first, first + split, ranked, half, per_leaf);
+  give_ranks(lights, first + split, last, ranked + half, half, per_leaf);
 }
 
 // Lights as one: their centroid by weight, and their variance about it.
@@ -97,7 +98,9 @@ struct Cluster {
 
 class Placing {
  public:
-  Placing(LightTree& tree, const std::vector<TreeLight>& lights) : tree_(tree), lights_(lights) {}
+  Placing(LightTree& tree, const std::vector<TreeLight>& lights) : tree_(tree), lights_(lights) {
+    for (const TreeLight& light : lights) total_ += light.weight;
+  }
 
   // Writes what is below a node of lights of these ranks.
   Cluster place(std::size_t node, std::size_t first, std::size_t last) {
@@ -122,7 +125,7 @@ class Placing {
   void add(std::size_t rank, Cluster& all) const {
     if (tree_.light_of_rank[rank] < 0) return;
     TreeLight light = lights_[static_cast<std::size_t>(tree_.light_of_rank[rank])];
-    light.weight /= tree_.total;
+    light.weight /= total_;
     if (light.is_steady)
       all.steady += light.weight;
     else
@@ -131,6 +134,7 @@ class Placing {
 
   LightTree& tree_;
   const std::vector<TreeLight>& lights_;
+  double total_ = 0;  // of weights
 };
 
 }  // namespace
@@ -151,25 +155,24 @@ LightTreeView LightTree::view() const {
 LightTree make_light_tree(const std::vector<TreeLight>& lights, double distance_m) {
   LightTree tree;
   tree.distance_m = distance_m;
-  for (const TreeLight& light : lights) tree.total += light.weight;
-  const std::size_t places = places_for(lights.size());
-  tree.nodes.resize(2 * std::min(places, most_leaves) - 1);
-  tree.light_of_rank.resize(places);
-  tree.rank_of_light.resize(places);
-  tree.sum.resize(places + 1);
+  const std::size_t ranks = ranks_for(lights.size());
+  tree.nodes.resize(2 * std::min(ranks, most_leaves) - 1);
+  tree.light_of_rank.resize(ranks);
+  tree.rank_of_light.resize(ranks);
+  tree.sum.resize(ranks + 1);
   place_lights(tree, lights);
   return tree;
 }
 
 void place_lights(LightTree& tree, const std::vector<TreeLight>& lights) {
-  const std::size_t places = tree.light_of_rank.size();
+  const std::size_t ranks = tree.light_of_rank.size();
   std::vector<std::int32_t> order(lights.size());
   std::iota(order.begin(), order.end(), 0);
   std::fill(tree.light_of_rank.begin(), tree.light_of_rank.end(), -1);
-  give_places(lights, order.data(), order.data() + order.size(), tree.light_of_rank.data(), places,
-              std::max(places / most_leaves, std::size_t{1}));
-  std::vector<double> weights(places, 0.0);
-  for (std::size_t rank = 0; rank < places; ++rank) {
+  give_ranks(lights, order.data(), order.data() + order.size(), tree.light_of_rank.data(), ranks,
+             std::max(ranks / most_leaves, std::size_t{1}));
+  std::vector<double> weights(ranks, 0.0);
+  for (std::size_t rank = 0; rank < ranks; ++rank) {
     if (tree.light_of_rank[rank] < 0) continue;
     const auto light = static_cast<std::size_t>(tree.light_of_rank[rank]);
     tree.rank_of_light[light] = static_cast<std::int32_t>(rank);
@@ -177,7 +180,7 @@ void place_lights(LightTree& tree, const std::vector<TreeLight>& lights) {
   }
   const std::vector<float> sum = running_sum(weights);
   std::copy(sum.begin(), sum.end(), tree.sum.begin());  // where it is: views know the address
-  tree.all = Placing(tree, lights).place(0, 0, places).falling;
+  tree.all = Placing(tree, lights).place(0, 0, ranks).falling;
 }
 
 }  // namespace omma

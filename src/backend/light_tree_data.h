@@ -29,7 +29,6 @@ struct LightTree {
   std::vector<std::int32_t> light_of_rank, rank_of_light;
   std::vector<float> sum;
   double distance_m = 1;  // at which weights are
-  double total = 0;       // of weights
   TreeLight all;          // its lights as one
 
   LightTreeView view() const;

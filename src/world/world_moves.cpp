@@ -2,6 +2,7 @@
 // something moves for the first time, the rest is built without it.
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 
 #include "model/new_version.h"
 #include "model/pose_check.h"
@@ -166,7 +167,7 @@ void move_in_top_scene(BuiltScene& built, const std::vector<Step>& steps,
     instances.push_back(step.instance);
     place_frame(built, static_cast<std::size_t>(step.instance));
   }
-  follow_places(built);
+  follow_places(built, instances);
   built.versions.placed = new_version();
   run_in_arena(*built.threads.arena,
                [&] { built.backend->move(built.acceleration, instances, meshes, built.placement); });
@@ -206,8 +207,10 @@ void take_acceleration(BuiltScene& built, Acceleration acceleration) {
       still = box_around(still, box_of(built, i, built.placement.world_from_mesh[i]));
   built.versions.placed = new_version();
   built.frames.resize(12 * built.placement.moves.size());
-  for (std::size_t i = 0; i < built.placement.moves.size(); ++i) place_frame(built, i);
-  follow_places(built);
+  std::vector<int> all(built.placement.moves.size());
+  std::iota(all.begin(), all.end(), 0);
+  for (const int i : all) place_frame(built, static_cast<std::size_t>(i));
+  follow_places(built, all);
   const Vec3d shift = built.first_origin_m - built.placement.origin_m;
   built.first_origin_now_m[0] = static_cast<float>(shift.x);
   built.first_origin_now_m[1] = static_cast<float>(shift.y);

@@ -1,7 +1,10 @@
 // Meshes that change their shape, and all that a scene's animations move.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <unordered_map>
+#include <vector>
 
 #include "model/animation.h"
 #include "model/deform.h"
@@ -70,10 +73,16 @@ void follow_shapes(BuiltScene& built) {
       point_to_shapes(*built.scene, built.placement, *lit->shading);
 }
 
-void follow_places(const BuiltScene& built) {
-  for (LitWorld* world = built.lit_worlds; world != nullptr; world = world->next)
-    if (const std::shared_ptr<LitData> lit = world->lit.lock())
+void follow_places(const BuiltScene& built, std::span<const int> instances) {
+  for (LitWorld* world = built.lit_worlds; world != nullptr; world = world->next) {
+    const std::shared_ptr<LitData> lit = world->lit.lock();
+    if (lit == nullptr) continue;
+    const std::vector<std::int32_t>& emissive = lit->light->emissive_of_instance;
+    if (std::any_of(instances.begin(), instances.end(), [&](int instance) {
+          return emissive[static_cast<std::size_t>(instance)] >= 0;
+        }))
       place_emissive(*lit->light, built.frames.data());
+  }
 }
 
 void follow_moves(const BuiltScene& built, const std::shared_ptr<LitData>& lit) {

@@ -168,8 +168,9 @@ Animated animated_of(const Scene& scene, const Things& things);
 
 // Points the shading data of all worlds of this scene to the shapes that meshes have now.
 void follow_shapes(BuiltScene& built);
-// Tells all worlds of this scene that are lit where what shines is now.
-void follow_places(const BuiltScene& built);
+// Tells all worlds of this scene that are lit where what shines is now, if any of these instances
+// does.
+void follow_places(const BuiltScene& built, std::span<const int> instances);
 // Both of a lit world, from now on. Its maker holds a Rendering.
 void follow_moves(const BuiltScene& built, const std::shared_ptr<LitData>& lit);
 

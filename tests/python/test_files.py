@@ -326,3 +326,37 @@ def test_save_eye_leaves_nothing_behind(tmp_path):
         omma.save_eye(tmp_path / "no/such/a.eye", make_eye(3))
     omma.save_eye(tmp_path / "a.eye", make_eye(3))
     assert [p.name for p in tmp_path.iterdir()] == ["a.eye"]
+
+
+@pytest.mark.parametrize("signal_name", ["SIGINT", "SIGTERM"])
+def test_ctrl_c_waits_until_hdf5_is_done(tmp_path, signal_name):
+    """Within HDF5's call of a file object it would end the process by a segmentation fault."""
+    pytest.importorskip("h5netcdf")
+    code = f"""
+import gc, os, signal, h5netcdf
+from omma.rendering import hdf5_file
+
+def stop(number, frame):
+    raise KeyboardInterrupt
+
+signal.signal(signal.{signal_name}, stop)
+seek = hdf5_file.Hdf5File.seek
+
+def interrupted(self, *arguments):
+    os.kill(os.getpid(), signal.{signal_name})
+    return seek(self, *arguments)
+
+hdf5_file.Hdf5File.seek = interrupted
+name = {str(tmp_path / "a.nc")!r}
+try:
+    with hdf5_file.opened(h5netcdf, name, "w") as file:
+        file.dimensions = {{"x": 3000}}
+        file.create_variable("v", ("x",), "f8")[...] = 7
+except KeyboardInterrupt:
+    print("stopped")
+gc.collect()
+with h5netcdf.File(name) as file:
+    print(file.variables["v"][2999])
+"""
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stdout) == (0, "stopped\n7.0\n"), ran.stderr

@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import re
 import time
-from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +14,7 @@ from omma._core import Error
 from omma.base.addresses import expect_local
 from omma.base.arguments import checked, whole
 from omma.base.directories import WholeDirectory
-from omma.base.files import PathLike, make_directory
+from omma.base.files import PathLike, make_directory, named_in_errors
 from omma.base.progress import Progress, Stage
 from omma.base.values import value_class
 from omma.datasets.cluster import make_on_cluster, scheduler_of
@@ -226,7 +224,7 @@ def _begin(
         make_directory(Path(path).parent)
         store = WholeDirectory(path, ZARR_MARKER)
         try:
-            with _told_of(path):
+            with named_in_errors(path):
                 attributes = manifest_attributes(manifest)
                 create_store(store.temporary, layouts, view_coordinates(job, plan), attributes)
                 os.makedirs(record_folder(store.temporary))
@@ -282,12 +280,3 @@ def _remove_left(path: str, plan: Plan, layouts: dict[str, Layout], missing: lis
     names += [record_file(path, shard) for shard in missing]
     for file, _ in _core.left_behind(names):
         Path(file).unlink(missing_ok=True)
-
-
-@contextmanager
-def _told_of(path: str) -> Iterator[None]:
-    """What the system refuses, as an error that names the store."""
-    try:
-        yield
-    except OSError as error:
-        raise Error(f"{path}: cannot be written: {error.strerror}") from None

@@ -1,13 +1,17 @@
 """A file that HDF5 writes to without ever meeting an error. Where a disk is full HDF5 2.0 cannot
 close a file, and ends the process by a segmentation fault when what is left of it is collected; so
-it is told that all was written, and the error is raised once it is gone.
+it is told that all was written, and the error is raised once it is gone. Ctrl-C while a file object
+is asked for something would be such an error too: it waits.
 """
 
 from __future__ import annotations
 
 import io
+import signal
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 
@@ -66,12 +70,34 @@ class Hdf5File:
 
 
 @contextmanager
+def signals_wait() -> Iterator[None]:
+    """Ctrl-C and the end that others ask for, which the main thread alone is told of, come
+    afterwards."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    asked = (signal.SIGINT, signal.SIGTERM)
+    # What is not Python's own handler says nothing in Python's code.
+    before = {one: handler for one in asked if callable(handler := signal.getsignal(one))}
+    for one in before:
+        signal.signal(one, lambda number, frame: came.append((number, frame)))
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
+    for number, frame in came:
+        before[signal.Signals(number)](number, frame)
+
+
+@contextmanager
 def opened(h5netcdf: Any, path: str, mode: str) -> Iterator[Any]:
     """A netCDF-4 file, "w" or "a". Raises OSError where it cannot be written."""
     file = Hdf5File(path, "w+" if mode == "w" else "r+")
     try:
         # The file has the lock of whole files already.
-        with h5netcdf.File(file, mode, locking=False) as netcdf:
+        with signals_wait(), h5netcdf.File(file, mode, locking=False) as netcdf:
             yield netcdf
         if file.error is not None:
             raise file.error
