@@ -4,9 +4,9 @@
 
 289 ommatidia of 0.1 deg look at a matt plane below point lamps of 100 cd, 4 m up on a grid of 6 m:
 one render each, beside the sum over all lamps of I cos / d^2. Then one lamp of 100 cd, 5 m up,
-under a full moon, over grounds of different sizes: how often a shadow ray looks for which kind of
-light is the same everywhere in a scene. And 20 of the first lamps beside one, 500 times as strong,
-that points upwards, or one in a cellar: what reaches no place there.
+under a full moon, over grounds of different sizes. And some of the first lamps beside one, 500
+times as strong, whose light reaches no place there: one that points upwards, one in a cellar, one
+behind a wall.
 """
 
 import platform
@@ -108,12 +108,22 @@ def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
     cone = {"inner_cone_rad": 0.2, "outer_cone_rad": 0.4}
     spot = omma.scene.PunctualLight("up", type="spot", world_from_light=upwards, **cone, **strong)
     cellar = omma.scene.PunctualLight("cellar", world_from_light=below, **strong)
-    print("lamps  beside       off by, rms  median/true  0 +- 0  ToError(0.05)")
-    for count in (10, 20):
+    behind = np.eye(4)
+    behind[:3, 3] = 0, 3, 30
+    walled = omma.scene.PunctualLight("behind wall", world_from_light=behind, **strong)
+    black = omma.scene.Material(specular=0, base_color=(0, 0, 0, 1), double_sided=True)
+    upright = np.array([[1, 0, 0, 0], [0, 0, -1, 5], [0, 1, 0, 25], [0, 0, 0, 1]], float)
+    wall = omma.scene.plane((200, 30)).replace(
+        materials=[black], instances=[omma.scene.Instance(0, upright, name="wall")]
+    )
+    print("lamps  beside       off by, rms  claimed  median/true  0 +- 0  ToError(0.05)")
+    for count in (1, 10, 20):
         world = world_of(lamps_on_a_grid(count))
         true = omma.Renderer(world, eye, omma.Fixed(1024)).render(pose)[0, :, 0]
-        for lamp in (spot, cellar):
+        for lamp in (spot, cellar, walled):
             scene = world.scene.replace(lights=[*world.scene.lights, lamp])
+            if lamp is walled:
+                scene = omma.scene.merge_scenes([scene, wall])
             both = omma.World(scene, light=world.light, depth=1)
             response, error = omma.Renderer(both, eye, omma.Fixed(16)).render(
                 pose, standard_error=True
@@ -124,7 +134,8 @@ def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
             dark = np.mean((found == 0) & (claimed == 0))
             print(
                 f"{count:5d}  {lamp.name:11s} {np.sqrt(np.mean((found - 1) ** 2)):12.1%} "
-                f"{np.median(found):12.3f} {dark:7.1%} {off:14.1%}"
+                f"{np.sqrt(np.mean((claimed / true) ** 2)):8.1%} {np.median(found):12.3f} "
+                f"{dark:7.1%} {off:14.1%}"
             )
 
 

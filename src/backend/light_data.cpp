@@ -1,5 +1,5 @@
-// Flattens a validated Light for the physics: lamps, surfaces that shine, and how often each kind
-// of light is sampled. Light from afar: backend/sky_data.
+// Flattens a validated Light for the physics: lamps, surfaces that shine, and what each kind of
+// light sends. Light from afar: backend/sky_data.
 #include "backend/light_data.h"
 
 #include <algorithm>
@@ -79,12 +79,15 @@ std::vector<double> make_lamps(LightData& data, const Light& light, const Scene&
     view.type = lamp.type;
     if (lamp.range_m > 0) view.per_range_2 = static_cast<float>(1 / (lamp.range_m * lamp.range_m));
     if (lamp.type == PunctualLightType::spot) {
-      // At least a thousandth, as KHR_lights_punctual has it.
+      // KHR_lights_punctual's own code has a thousandth here, by which spots of less than 2.6
+      // degrees are dark on their axis too; single precision knows a cosine to 6e-8.
+      constexpr double least = 1e-5;
       const double outer = std::cos(lamp.outer_cone_rad);
-      const double scale = 1 / std::max(0.001, std::cos(lamp.inner_cone_rad) - outer);
+      const double scale = 1 / std::max(least, std::cos(lamp.inner_cone_rad) - outer);
       view.cone_scale = static_cast<float>(scale);
       view.cone_offset = static_cast<float>(-outer * scale);
     }
+    view.power = static_cast<float>(sum_of(strength));
     data.lamps.push_back(view);
     data.lamp_of_scene.push_back(i);
     const bool is_far = lamp.type == PunctualLightType::directional;
@@ -226,25 +229,18 @@ std::vector<double> make_emissive(LightData& data, const Light& light, const Sce
   return sent;
 }
 
-// Probability of sampling each kind of light: its share of the irradiance, the mean over bands and
-// orientations, with a floor of a tenth for all kinds together, as a surface may lie close to a
-// weak light.
-void choose_probabilities(LightView& view, const std::array<std::vector<double>, 3>& sent) {
-  std::array<double, 3> share{};
-  double kinds = 0, bands = 0;
-  for (std::size_t b = 0; b < sent[0].size(); ++b) {
-    const double all = sent[0][b] + sent[1][b] + sent[2][b];
-    if (!(all > 0)) continue;
-    ++bands;
-    for (std::size_t k = 0; k < 3; ++k) share[k] += sent[k][b] / all;
+// What each kind of light sends to a place, as KindView has it: what lamps and surfaces send to one
+// at `distance_m` falls with distance as the root of their tree does.
+void view_kinds(LightData& data, const std::array<std::vector<double>, 3>& sent,
+                double distance_m) {
+  KindView* const kinds[3] = {&data.view.from_afar, &data.view.from_lamps,
+                              &data.view.from_surfaces};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double scale = k == 0 ? 1 : distance_m * distance_m;
+    data.sent[k].clear();
+    for (const double x : sent[k]) data.sent[k].push_back(static_cast<float>(x * scale));
+    *kinds[k] = {data.sent[k].data(), static_cast<float>(sum_of(sent[k]) * scale)};
   }
-  for (const double s : share) kinds += s > 0 ? 1 : 0;
-  const auto probability = [&](std::size_t k) {
-    return share[k] > 0 ? static_cast<float>(0.1 / kinds + 0.9 * share[k] / bands) : 0.0f;
-  };
-  view.far_probability = probability(0);
-  view.lamp_probability = probability(1);
-  view.emissive_probability = probability(2);
 }
 
 // The power of two nearest to irradiance / 4 pi, the mean over bands.
@@ -281,7 +277,7 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   out.emissive_of_instance = data->emissive_of_instance.data();
   out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
   out.instance_count = static_cast<std::int32_t>(data->emissive_of_instance.size());
-  choose_probabilities(out, sent);
+  view_kinds(*data, sent, distance_m);
   data->radiance_unit = choose_radiance_unit(sent);
   data->aims = make_aims(*data, scene, placement, view);
   out.aims = data->aims.data();
@@ -302,6 +298,11 @@ void scale_to_radiance_unit(LightData& data) {
   data.view.sky.per_unit = per_unit;
   for (float& x : data.disc_radiance) x *= per_unit;
   for (float& x : data.lamp_strength) x *= per_unit;
+  for (LampView& lamp : data.lamps) lamp.power *= per_unit;
+  for (std::vector<float>& of_kind : data.sent)
+    for (float& x : of_kind) x *= per_unit;
+  for (KindView* kind : {&data.view.from_afar, &data.view.from_lamps, &data.view.from_surfaces})
+    kind->all *= per_unit;
   for (AimView& aim : data.aims) aim.brightest *= per_unit;
   data.view.least_aimed *= per_unit;
 }
@@ -312,8 +313,15 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
     const Mat4& world_from_light = scene.lights[data.lamp_of_scene[i]].world_from_light;
     data.lamps[i].position = to_float(transform_point(world_from_light, {}) - origin_m);
     data.lamps[i].direction = to_float(normalize(transform_vector(world_from_light, {0, 0, -1})));
-    lights.push_back(tree_light(to_double(data.lamps[i].position), data.lamp_weight[i],
-                                data.lamps[i].type == PunctualLightType::directional));
+    TreeLight light = tree_light(to_double(data.lamps[i].position), data.lamp_weight[i],
+                                 data.lamps[i].type == PunctualLightType::directional);
+    const PunctualLight& lamp = scene.lights[data.lamp_of_scene[i]];
+    if (lamp.range_m > 0) light.range_m = lamp.range_m;
+    if (lamp.type == PunctualLightType::spot) {
+      light.axis = to_double(data.lamps[i].direction);
+      light.reach_rad = lamp.outer_cone_rad;
+    }
+    lights.push_back(light);
   }
   data.lamp_tree = make_light_tree(lights, data.lamp_distance_m);
   data.view.lamp_tree = data.lamp_tree.view();

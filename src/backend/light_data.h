@@ -2,6 +2,7 @@
 // all backends.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -48,6 +49,7 @@ struct LightData {
   std::map<std::int32_t, LightTree> triangle_tree;              // in their own frames
   LightTree emissive_tree;
   std::vector<std::int32_t> emissive_of_instance;
+  std::array<std::vector<float>, 3> sent;  // [kind][band], KindView's: from afar, lamps, surfaces
   std::vector<AimView> aims;
   LightView view;
   // The unit of radiance along rays, a power of two near the usual radiance: squares of absolute

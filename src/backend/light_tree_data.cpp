@@ -76,12 +76,24 @@ void give_ranks(const std::vector<TreeLight>& lights, std::int32_t* first, std::
   give_ranks(lights, first + split, last, ranked + half, half, per_leaf);
 }
 
+// The cone around two.
+void join_cones(const TreeLight& a, const TreeLight& b, TreeLight& both) {
+  const Vec3d sum = a.axis + b.axis;
+  both.axis = dot(sum, sum) > 1e-12 ? normalize(sum) : Vec3d{0, 0, 1};
+  const auto edge = [&](const TreeLight& light) {
+    return light.reach_rad + std::acos(std::clamp(dot(both.axis, light.axis), -1.0, 1.0));
+  };
+  both.reach_rad = std::min(std::max(edge(a), edge(b)), pi);
+}
+
 // Lights as one: their centroid by weight, and their variance about it.
 TreeLight join(const TreeLight& a, const TreeLight& b) {
   if (!(a.weight > 0) || !(b.weight > 0)) return a.weight > 0 ? a : b;
   TreeLight both;
   both.box = box_around(a.box, b.box);
   both.weight = a.weight + b.weight;
+  both.range_m = std::max(a.range_m, b.range_m);
+  join_cones(a, b, both);
   const double share = b.weight / both.weight;
   const Vec3d between = b.centre_m - a.centre_m;
   both.centre_m = a.centre_m + between * share;
@@ -114,10 +126,17 @@ class Placing {
       all = {join(low.falling, high.falling), low.steady + high.steady};
     }
     const TreeLight& falling = all.falling;
-    tree_.nodes[node] = {to_float(falling.box.lower), to_float(falling.box.upper),
+    // Single precision keeps ranges and cones by making them a little larger.
+    constexpr double larger = 1 + 1e-6;
+    const double cos_reach = falling.reach_rad < pi ? std::cos(falling.reach_rad) - 1e-6 : -1.0;
+    tree_.nodes[node] = {to_float(falling.box.lower),
+                         to_float(falling.box.upper),
                          static_cast<float>(falling.variance_m2),
                          static_cast<float>(falling.weight),
-                         static_cast<float>(all.steady / (tree_.distance_m * tree_.distance_m))};
+                         static_cast<float>(all.steady / (tree_.distance_m * tree_.distance_m)),
+                         static_cast<float>(falling.range_m * larger),
+                         to_float(falling.axis),
+                         static_cast<float>(std::max(cos_reach, -1.0))};
     return all;
   }
 
@@ -149,12 +168,14 @@ LightTreeView LightTree::view() const {
           rank_of_light.data(),
           sum.data(),
           static_cast<std::int32_t>((nodes.size() + 1) / 2),
-          static_cast<std::int32_t>(light_of_rank.size())};
+          static_cast<std::int32_t>(light_of_rank.size()),
+          static_cast<std::int32_t>(lights)};
 }
 
 LightTree make_light_tree(const std::vector<TreeLight>& lights, double distance_m) {
   LightTree tree;
   tree.distance_m = distance_m;
+  tree.lights = lights.size();
   const std::size_t ranks = ranks_for(lights.size());
   tree.nodes.resize(2 * std::min(ranks, most_leaves) - 1);
   tree.light_of_rank.resize(ranks);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "omma/scene.h"
@@ -17,6 +18,9 @@ struct TreeLight {
   double variance_m2 = 0;  // of places on it about its centre
   double weight = 0;       // what it sends to places at the same distance, any unit
   bool is_steady = false;  // it sends that to any distance, as directional lamps do
+  double range_m = std::numeric_limits<double>::infinity();  // it sends nothing farther
+  Vec3d axis{};           // unit, of a cone outside of which it sends nothing
+  double reach_rad = pi;  // from the axis to the edge of the cone; pi: it sends all around
 };
 
 // A lamp, or what is as small.
@@ -29,6 +33,7 @@ struct LightTree {
   std::vector<std::int32_t> light_of_rank, rank_of_light;
   std::vector<float> sum;
   double distance_m = 1;  // at which weights are
+  std::size_t lights = 0;
   TreeLight all;          // its lights as one
 
   LightTreeView view() const;

@@ -45,11 +45,16 @@ void leave_out_baked(const LightData& data, BakedReading& reading) {
   for (const DiscView& disc : reading.discs_alone) discs += disc.probability;
   for (DiscView& disc : reading.discs_alone) disc.probability /= discs > 0 ? discs : 1.0f;
   light.sky.probability = 0;
-  light.emissive_probability = 0;
-  const float far = discs > 0 ? light.far_probability : 0.0f;
-  const float sum = far + light.lamp_probability;
-  light.far_probability = sum > 0 ? far / sum : 0.0f;
-  light.lamp_probability = sum > 0 ? 1.0f - light.far_probability : 0.0f;
+  light.from_surfaces = {};
+  reading.discs_sent.assign(static_cast<std::size_t>(light.bands), 0.0f);
+  float all = 0;
+  for (const DiscView& disc : reading.discs_alone)
+    for (int b = 0; b < light.bands && disc.probability > 0; ++b) {
+      const float sent = disc.radiance[b] / disc.density;
+      reading.discs_sent[static_cast<std::size_t>(b)] += sent;
+      all += sent;
+    }
+  light.from_afar = {reading.discs_sent.data(), all};
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ namespace omma {
 struct BakedReading {
   LightView left_out;
   std::vector<DiscView> discs_alone;
+  std::vector<float> discs_sent;      // [band], KindView's
   std::vector<MeshCells> mesh_cells;  // [mesh]
   BakedView view;
 };

@@ -226,6 +226,8 @@ void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.emissive_tree, visit, placed);
   visit(view.emissive_of_instance, {view.instance_count});
   visit(view.aims, {view.aim_count});
+  for (KindView* kind : {&view.from_afar, &view.from_lamps, &view.from_surfaces})
+    visit(kind->sent, {view.bands});
 }
 
 template <typename Visit>

@@ -14,9 +14,11 @@ double irradiance(const PunctualLight& lamp, Vec3d at) {
   Scene scene;
   scene.lights = {lamp};
   const auto lit = lit_scene(scene, watts_alone());
-  EXPECT_EQ(lit->light->view.lamp_probability, 1);
-  const LightSample sample =
-      sample_near_light(lit->view, *lit->view.light, to_float(at), 0.5f, 0.5f, 0.5f);
+  const LitPoint lit_point{to_float(at), {}};
+  const LightKinds kinds = choose_kinds(*lit->view.light, lit_point);
+  EXPECT_EQ(kinds.lamp, 1);
+  LightSample sample;
+  sample_near_light(lit->view, *lit->view.light, lit_point, kinds, {0.5f, 0.5f, 0.5f}, sample);
   if (!(sample.pdf > 0)) return 0;
   EXPECT_TRUE(sample.is_delta);
   return radiance_of(*lit, sample) / static_cast<double>(sample.pdf);
@@ -61,6 +63,11 @@ TEST(Lamps, SpotsHaveACone) {
   EXPECT_NEAR(at(30), part * part, 1e-5);
   EXPECT_EQ(at(41), 0);
   EXPECT_EQ(at(180), 0);
+  // A narrow one is as bright on its axis: cosines are rounded by 6e-8, 1e-4 of its width.
+  lamp.inner_cone_rad = 0;
+  lamp.outer_cone_rad = 2 * degree;
+  EXPECT_NEAR(at(0), 1, 1e-3);
+  EXPECT_EQ(at(2.1), 0);
 }
 
 TEST(Lamps, DirectionalOnesAreEverywhere) {
@@ -69,7 +76,8 @@ TEST(Lamps, DirectionalOnesAreEverywhere) {
   Scene scene;
   scene.lights = {lamp};
   const auto lit = lit_scene(scene, watts_alone());
-  const LightSample sample = sample_near_light(lit->view, *lit->view.light, {-3, 4, 5}, 0.2f, 0, 0);
+  LightSample sample;
+  sample_lamps(*lit->view.light, {{-3, 4, 5}, {}}, 0.2f, sample);
   EXPECT_NEAR(sample.direction.y, 1, 1e-6);
   EXPECT_EQ(sample.distance_m, INFINITY);
   EXPECT_NEAR(irradiance(lamp, {-3, 4, 5}), 1, 1e-6);
@@ -84,7 +92,8 @@ TEST(Lamps, CandelasOfColour) {
   Light light;
   light.bands = {{450, 550, 650}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const auto lit = lit_scene(scene, light);
-  const LightSample sample = sample_near_light(lit->view, *lit->view.light, {0, 2, 0}, 0.5f, 0, 0);
+  LightSample sample;
+  sample_lamps(*lit->view.light, {{0, 2, 0}, {}}, 0.5f, sample);
   std::vector<float> out(9, 1.0f);
   eval_light_sample(lit->view, sample, 3, out.data(), 1, 3);
   const auto per_lumen = primaries_per_lumen(light.bands, light.unit);
@@ -114,13 +123,43 @@ TEST(Lamps, EachIsChosenAtTimesAndTogetherTheyAreAll) {
   const Vec3 at{0, 2, 0};
   int seen[3] = {};
   for (int i = 0; i < samples; ++i) {
-    const LightSample sample = light_at(*lit, at, random);
+    const LightSample sample = light_at(*lit, {at, {}}, random);
     ++seen[sample.index];
     sum += radiance_of(*lit, sample) / static_cast<double>(sample.pdf);
   }
   for (const int count : seen) EXPECT_GT(count, 0);
-  // Chosen by their strength, they differ by their distance only: a standard error of 1e-3.
-  EXPECT_NEAR(sum / samples / (1 / 4.0 + 0.1 / 5 + 0.001 / 13), 1, 3e-3);
+  // By their strength but for the part that is chosen evenly: a standard error of 4e-4.
+  EXPECT_NEAR(sum / samples / (1 / 4.0 + 0.1 / 5 + 0.001 / 13), 1, 2e-3);
+}
+
+// The part by share is E_k / Σ E, of lamps as they face the surface; of a kind that sends nothing
+// there is none.
+TEST(Lamps, AreChosenBesideTheSkyByWhatEachSendsToAPlace) {
+  Scene scene;
+  PunctualLight lamp = lamp_of(PunctualLightType::point);
+  lamp.world_from_light = translation({0, 5, 0});
+  lamp.range_m = 100;
+  scene.lights = {lamp};
+  Light light = watts_alone();
+  light.sky = made_sky(4, 2, 1, 1, [](int, int, int, int, int) { return 1e-3; });
+  const auto lit = lit_scene(scene, light);
+  const double of_sky = 0.5 * 4 * pi * 1e-3;
+  const auto near = [&](double x, Vec3 normal) {
+    const LightKinds kinds =
+        choose_kinds(*lit->view.light, {{static_cast<float>(x), 0, 0}, normal});
+    EXPECT_NEAR(kinds.far + kinds.lamp, 1, 1e-6);
+    EXPECT_EQ(kinds.surface, 0);
+    return static_cast<double>(kinds.lamp);
+  };
+  for (const double x : {0.0, 3.0, 20.0, 90.0}) {
+    const double d_2 = x * x + 25, window = 1 - std::pow(d_2 / 1e4, 2);
+    const double cosine = std::max(5 / std::sqrt(d_2), 0.1);
+    const double level = window / d_2 * cosine, all_around = window / d_2 * 0.5;
+    EXPECT_NEAR(near(x, {0, 1, 0}), 0.1 + 0.8 * level / (level + of_sky), 1e-4);
+    EXPECT_NEAR(near(x, {}), 0.1 + 0.8 * all_around / (all_around + of_sky), 1e-4);
+    EXPECT_EQ(near(x, {0, -1, 0}), 0);
+  }
+  EXPECT_EQ(near(101, {0, 1, 0}), 0);
 }
 
 TEST(Lamps, FollowTheOriginOfTheTracedFrame) {

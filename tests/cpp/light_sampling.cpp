@@ -236,7 +236,7 @@ TEST(FarSampling, DarknessGivesNothing) {
   light.sky = made_sky(4, 2, 1, 1, [](int, int, int, int, int) { return 0; });
   const auto black = light_alone(light);
   EXPECT_EQ(far_pdf(black->view, sample_far_direction(black->view, 0.5f, 0.5f)), 0);
-  EXPECT_EQ(black->view.far_probability, 0);
+  EXPECT_EQ(black->view.from_afar.all, 0);
 }
 
 TEST(RunningSum, IsInStepsOfRandomNumbersAndNeverLosesWhatShines) {

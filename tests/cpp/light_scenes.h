@@ -86,13 +86,15 @@ inline Light watts_alone() {
 }
 
 // A lamp or a surface, by a random number beyond those that choose light from afar.
-inline LightSample light_at(const LitScene& lit, Vec3 position, Random& random) {
+inline LightSample light_at(const LitScene& lit, const LitPoint& at, Random& random) {
   const auto uniform = [&] {
     return std::min(static_cast<float>(random.uniform()), 0x1.fffffep-1f);
   };
-  const float near = 1 - lit.light->view.far_probability;
-  const float choice = uniform() * near, u0 = uniform(), u1 = uniform();
-  return sample_near_light(lit.view, *lit.view.light, position, choice, u0, u1);
+  const LightKinds kinds = choose_kinds(*lit.view.light, at);
+  const float which = uniform() * (1 - kinds.far), u0 = uniform(), u1 = uniform();
+  LightSample sample;
+  sample_near_light(lit.view, *lit.view.light, at, kinds, {which, u0, u1}, sample);
+  return sample;
 }
 
 inline double radiance_of(const LitScene& lit, const LightSample& sample) {

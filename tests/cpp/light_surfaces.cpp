@@ -19,7 +19,7 @@ Estimate form_factor(const LitScene& lit, Vec3d normal, int samples, std::uint64
   Random random{seed};
   double sum = 0, squares = 0;
   for (int i = 0; i < samples; ++i) {
-    const LightSample sample = light_at(lit, to_float(place(random)), random);
+    const LightSample sample = light_at(lit, {to_float(place(random)), {}}, random);
     if (!(sample.pdf > 0)) continue;
     const double cosine = std::max(dot(to_double(sample.direction), normal), 0.0);
     const double x = radiance_of(lit, sample) * cosine / pi / static_cast<double>(sample.pdf);
@@ -99,27 +99,30 @@ TEST(ShiningSquare, DensityOfWhatARayMeetsIsThatOfSampling) {
   light.sky = made_sky(4, 2, 1, 1, [](int, int, int, int, int) { return 1; });
   const auto lit = lit_scene(scene, light);
   const LightView& view = lit->light->view;
-  EXPECT_NEAR(view.far_probability + view.lamp_probability + view.emissive_probability, 1, 1e-6);
-  EXPECT_GT(view.far_probability, 0.03);
-  EXPECT_GT(view.lamp_probability, 0.03);
-  EXPECT_GT(view.emissive_probability, 0.03);
   Random random{6};
   int of_surface[2] = {}, of_lamp = 0;
   for (int i = 0; i < 20000; ++i) {
     const Vec3 position = to_float(random.direction() * random.uniform(0.3, 6));
-    const LightSample sample = light_at(*lit, position, random);
+    const Vec3 normal = i % 2 == 0 ? Vec3{} : to_float(random.direction());
+    const LightKinds kinds = choose_kinds(view, {position, normal});
+    EXPECT_NEAR(kinds.far + kinds.lamp + kinds.surface, 1, 1e-6);
+    EXPECT_GT(kinds.far, 0.06);
+    const LightSample sample = light_at(*lit, {position, normal}, random);
+    if (sample.kind == LightKind::dark) continue;
     if (sample.kind == LightKind::lamp) {
       ++of_lamp;
       EXPECT_TRUE(sample.is_delta);
-      EXPECT_FLOAT_EQ(sample.pdf, view.lamp_probability);
+      EXPECT_FLOAT_EQ(sample.pdf, kinds.lamp);
     } else {
       ASSERT_EQ(sample.kind, LightKind::surface);
       ++of_surface[sample.index];
       if (!(sample.pdf > 0)) continue;
-      EXPECT_NEAR(met_light_pdf(lit->view, view, {sample.index, sample.triangle, sample.distance_m},
-                                position, sample.direction) /
-                      sample.pdf,
-                  1, 1e-5);
+      EXPECT_NEAR(
+          kinds.surface *
+              met_light_pdf(lit->view, view, {sample.index, sample.triangle, sample.distance_m},
+                            {position, normal}, sample.direction) /
+              sample.pdf,
+          1, 1e-5);
       // The place on the triangle is where the direction leads.
       const LightTriangle seen =
           see_triangle(lit->view, sample.index, sample.mesh, sample.triangle, position);

@@ -25,7 +25,7 @@ TEST(LightTree, ChoosesAsOftenAsItSays) {
     SCOPED_TRACE(count);
     const LightTree tree = make_light_tree(some_lights(count, 1), 3);
     const LightTreeView view = tree.view();
-    const Vec3 place{2, -1, 3};
+    const LitPoint place{{2, -1, 3}, {}};
     double sum = 0;
     std::vector<double> said;
     for (int i = 0; i < count; ++i) {
@@ -58,15 +58,15 @@ TEST(LightTree, OfDirectionalLampsIsTheSameEverywhere) {
   const LightTree tree = make_light_tree(lights, 5);
   for (int i = 0; i < 4; ++i)
     for (const float x : {0.0f, 50.0f})
-      EXPECT_NEAR(light_tree_probability(tree.view(), {x, 0, 0}, i), (1 + i) / 10.0, 1e-6);
+      EXPECT_NEAR(light_tree_probability(tree.view(), {{x, 0, 0}, {}}, i), (1 + i) / 10.0, 1e-6);
 }
 
 // At the distance at which weights are meant a directional lamp and another one are alike; at half
 // of it the other one sends four times as much.
 TEST(LightTree, KnowsTheDistanceOfWeights) {
   const LightTree tree = make_light_tree({tree_light({}, 3), tree_light({}, 3, true)}, 10);
-  EXPECT_NEAR(light_tree_probability(tree.view(), {10, 0, 0}, 0), 0.5, 1e-6);
-  EXPECT_NEAR(light_tree_probability(tree.view(), {0, 5, 0}, 0), 0.8, 1e-6);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {{10, 0, 0}, {}}, 0), 0.5, 1e-6);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {{0, 5, 0}, {}}, 0), 0.8, 1e-6);
 }
 
 // Variance of one sample's estimate of the sum over all lights of power / distance^2, over that
@@ -78,7 +78,7 @@ double variance_of(const LightTree& tree, const std::vector<TreeLight>& lights, 
     const double sent = lights[i].weight / dot(way, way);
     sum += sent;
     const auto chosen = static_cast<double>(
-        light_tree_probability(tree.view(), to_float(place), static_cast<std::int32_t>(i)));
+        light_tree_probability(tree.view(), {to_float(place), {}}, static_cast<std::int32_t>(i)));
     if (chosen > 0)
       squares += sent * sent / chosen;
     else  // below the precision of 1 - share
@@ -91,9 +91,9 @@ double variance_of(const LightTree& tree, const std::vector<TreeLight>& lights, 
 // A lamp far weaker than another is chosen by what it sends, also where the other is near.
 TEST(LightTree, DoesNotOverrateWhatIsWeak) {
   const LightTree tree = make_light_tree({tree_light({}, 1e-6), tree_light({9, 0, 0}, 1)});
-  EXPECT_NEAR(light_tree_probability(tree.view(), {9, 3, 0}, 0) / (1e-6 * 9 / 90), 1, 1e-4);
-  EXPECT_NEAR(light_tree_probability(tree.view(), {0, 1e-3f, 0}, 0), 1 / (1 + 1e-6 / 1e-6 / 81),
-              1e-4);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {{9, 3, 0}, {}}, 0) / (1e-6 * 9 / 90), 1, 1e-4);
+  EXPECT_NEAR(light_tree_probability(tree.view(), {{0, 1e-3f, 0}, {}}, 0),
+              1 / (1 + 1e-6 / 1e-6 / 81), 1e-4);
 }
 
 // 400 lamps 6 m apart, 4 m up: lights chosen evenly have a variance of 7 to 26 times the square.
@@ -145,11 +145,87 @@ TEST(LightTree, FollowsLightsThatMove) {
   std::vector<TreeLight> lights = some_lights(64, 5);
   for (TreeLight& light : lights) light.is_steady = false;
   LightTree tree = make_light_tree(lights);
-  const Vec3 place{30, 0, 0};
+  const LitPoint place{{30, 0, 0}, {}};
   EXPECT_LT(light_tree_probability(tree.view(), place, 12), 0.1);
   lights[12] = tree_light({30, 0.5, 0}, lights[12].weight);
   place_lights(tree, lights);
   EXPECT_GT(light_tree_probability(tree.view(), place, 12), 0.5);
+}
+
+// A part is chosen evenly, so that no light is outshone by one that may be hidden.
+TEST(LightTree, ChoosesAPartEvenly) {
+  std::vector<TreeLight> lights = some_lights(9, 2);
+  lights[4].weight = 1e9;
+  const LightTree tree = make_light_tree(lights);
+  const LightTreeView view = tree.view();
+  const LitPoint at{{3, 1, -2}, {}};
+  constexpr int samples = 1 << 20;
+  std::vector<int> found(lights.size(), 0);
+  for (int s = 0; s < samples; ++s) {
+    const ChosenLight chosen = choose_light(view, at, (static_cast<float>(s) + 0.5f) / samples);
+    ++found[static_cast<std::size_t>(chosen.index)];
+    ASSERT_GE(chosen.left, 0);
+    ASSERT_LT(chosen.left, 1);
+    ASSERT_FLOAT_EQ(chosen.probability, choose_light_probability(view, at, chosen.index));
+  }
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const float said = choose_light_probability(view, at, static_cast<std::int32_t>(i));
+    EXPECT_GE(said, 0.2f / 9);
+    EXPECT_NEAR(found[i], said * samples, 3);
+  }
+}
+
+// Spots with ranges about a surface: what sends light there can be chosen, and of what is known to
+// send none nothing is chosen.
+TEST(LightTree, KnowsConesRangesAndHorizons) {
+  Random random{8};
+  std::vector<TreeLight> lights;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d middle = random.direction() * 30;
+    TreeLight light = tree_light(middle + random.direction() * random.uniform(0, 6), 1);
+    light.range_m = random.uniform(5, 40);
+    light.axis = random.direction();
+    light.reach_rad = random.uniform(0.1, pi / 2);
+    if (i % 9 == 0) light.reach_rad = pi;
+    lights.push_back(light);
+  }
+  const LightTree tree = make_light_tree(lights);
+  int reaching = 0;
+  double told_apart = 0, never = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Vec3d place = random.direction() * random.uniform(0, 30), normal = random.direction();
+    const LitPoint at{to_float(place), to_float(normal)};
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      const TreeLight& light = lights[i];
+      const Vec3d to = light.centre_m - place;
+      const double distance = length(to);
+      const bool reaches = distance < light.range_m && dot(to, normal) > 0 &&
+                           dot(to, light.axis) <= -std::cos(light.reach_rad) * distance;
+      const float chosen = light_tree_probability(tree.view(), at, static_cast<std::int32_t>(i));
+      if (reaches) {
+        ++reaching;
+        EXPECT_GT(chosen, 0) << i;
+      } else {
+        ++never;
+        told_apart += chosen == 0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(reaching, 1000);
+  EXPECT_GT(told_apart / never, 0.99);  // a light alone is known exactly
+}
+
+TEST(LightTree, GivesNothingWhereNothingIsSent) {
+  TreeLight up = tree_light({0, 1, 0}, 1);
+  up.axis = {0, 1, 0};
+  up.reach_rad = 0.3;
+  TreeLight beside = up;
+  beside.box = {{9, 1, 0}, {9, 1, 0}, false};
+  beside.centre_m = {9, 1, 0};
+  const LightTree tree = make_light_tree({up, beside});
+  const ChosenLight none = sample_light_tree(tree.view(), {{0, 0, 0}, {}}, 0.3f);
+  EXPECT_EQ(none.index, -1);
+  EXPECT_EQ(none.probability, 0);
 }
 
 }  // namespace

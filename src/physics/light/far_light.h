@@ -250,8 +250,8 @@ OMMA_HD void sample_far(const LightView& light, const float* u0, const float* u1
   }
 }
 
-// The density, per solid angle, with which next-event estimation samples the direction of each of
-// some lanes, whose places on the sky are given. The other lanes' are left.
+// The density, per solid angle, with which sample_far gives the direction of each of some lanes,
+// whose places on the sky are given. The other lanes' are left.
 template <typename L>
 OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L::count],
                           const SkyLookups<L>& places, LaneMask<L> lanes, float* pdf) {
@@ -273,7 +273,7 @@ OMMA_HD void find_far_pdf(const LightView& light, const float (&direction)[3][L:
       density =
           sky.probability * gather(sky.cell_density, row * sky.columns + place.column) + density;
     }
-    store(pdf + l, wanted ? light.far_probability * density : load<F>(pdf + l));
+    store(pdf + l, wanted ? density : load<F>(pdf + l));
   }
 }
 

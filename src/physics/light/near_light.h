@@ -1,7 +1,7 @@
-// Lights that are near, for next-event estimation: a direction from a position towards a lamp or a
+// Lights that are near, for next-event estimation: a direction from a point towards a lamp or a
 // surface that shines, with its probability, and what comes from there if nothing is in the way.
-// Light from afar, lamps and surfaces are chosen between with fixed probabilities, one of many
-// lamps or surfaces by where they are.
+// Light from afar, lamps and surfaces are chosen between, and one of many lamps or surfaces, by
+// what they send to that point.
 #pragma once
 
 #include "physics/light/emissive.h"
@@ -34,112 +34,202 @@ struct MetTriangle {
   float distance_m;
 };
 
-// A place in the frame of an instance's mesh.
-OMMA_HD Vec3 place_in_mesh(const SceneView& scene, std::int32_t instance, Vec3 position) {
-  return place_before(scene.frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(instance), position);
+// A point in the frame of an instance's mesh, with a normal that measures as before.
+OMMA_HD LitPoint point_in_mesh(const SceneView& scene, std::int32_t instance, const LitPoint& at) {
+  const float* m = scene.frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(instance);
+  const Vec3 n = at.normal;
+  return {place_before(m, at.position),
+          {m[0] * n.x + m[4] * n.y + m[8] * n.z, m[1] * n.x + m[5] * n.y + m[9] * n.z,
+           m[2] * n.x + m[6] * n.y + m[10] * n.z},
+          at.rise_m};
 }
 
-// Probability per solid angle with which sample_near_light gives the direction in which a ray from
-// `position` has met a triangle; 0 where it is not one that is sampled.
+// Probability per solid angle with which sample_surfaces gives the direction in which a ray from a
+// point has met a triangle; 0 where it is not one that is sampled.
 OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, const MetTriangle& met,
-                            Vec3 position, Vec3 direction) {
+                            const LitPoint& at, Vec3 direction) {
   if (light.emissive_count == 0) return 0.0f;
   const std::int32_t index = light.emissive_of_instance[met.instance];
   if (index < 0) return 0.0f;
   const EmissiveView& emissive = light.emissive[index];
-  const float chosen =
-      light.emissive_probability * light_tree_probability(light.emissive_tree, position, index) *
-      light_tree_probability(emissive.triangles, place_in_mesh(scene, met.instance, position),
-                             met.triangle);
+  const float chosen = choose_light_probability(light.emissive_tree, at, index) *
+                       light_tree_probability(emissive.triangles,
+                                              point_in_mesh(scene, met.instance, at), met.triangle);
   if (!(chosen > 0.0f)) return 0.0f;
   const LightTriangle seen =
-      see_triangle(scene, met.instance, emissive.mesh, met.triangle, position);
+      see_triangle(scene, met.instance, emissive.mesh, met.triangle, at.position);
   if (!shines_towards(scene, emissive.mesh, seen, direction)) return 0.0f;
   return chosen * seen_triangle_pdf(seen, direction, met.distance_m);
 }
 
-// So many lamps are weighed one by one by what each sends to a place, range and cone included; of
-// more a tree knows their distance alone.
+// So many lamps are weighed one by one by what each sends to a point; of more a tree knows about
+// where they are.
 inline constexpr std::int32_t few_lamps = 16;
 
-OMMA_HD float lamp_irradiance(const LightView& light, std::int32_t lamp, Vec3 from_lamps) {
-  float strength = 0;
-  for (int k = 0; k < light.bands; ++k) strength += light.lamps[lamp].strength[k];
-  return strength * eval_lamp_at(light.lamps[lamp], from_lamps).scale;
+// A point that takes light from all around, or a mean over directions, in place of a cosine.
+inline constexpr float mean_cosine = 0.5f;
+
+OMMA_HD LitPoint from_lamps(const LightView& light, const LitPoint& at) {
+  const float* origin = light.lamp_origin_m;
+  return origin == nullptr
+             ? at
+             : LitPoint{at.position - Vec3{origin[0], origin[1], origin[2]}, at.normal, at.rise_m};
 }
 
-OMMA_HD ChosenLight choose_lamp(const LightView& light, Vec3 from_lamps, float u) {
-  if (light.lamp_count > few_lamps) return sample_light_tree(light.lamp_tree, from_lamps, u);
+// About what a lamp sends to a point, all bands: gloss may send back much of what falls on it at
+// grazing angles, so that no lamp above a surface counts for nothing.
+OMMA_HD float lamp_irradiance(const LightView& light, std::int32_t lamp, const LitPoint& at) {
+  const LampAt lit = eval_lamp_at(light.lamps[lamp], at.position);
+  const Vec3 n = at.normal;
+  const float length_2 = dot(n, n);
+  if (!(length_2 > 0.0f)) return light.lamps[lamp].power * lit.scale * mean_cosine;
+  const float cosine = dot(n, lit.direction);
+  constexpr float least = 0.1f;
+  return cosine > 0.0f ? light.lamps[lamp].power * lit.scale * fmaxf(cosine, least) : 0.0f;
+}
+
+// What all lamps send there, over that at 1 m (KindView).
+OMMA_HD float eval_lamps(const LightView& light, const LitPoint& at) {
+  if (light.lamp_count > few_lamps)
+    return mean_cosine * eval_light_node(light.lamp_tree.nodes[0], at);
   float all = 0;
-  for (std::int32_t i = 0; i < light.lamp_count; ++i) all += lamp_irradiance(light, i, from_lamps);
-  ChosenLight chosen{0, 0.0f, 0.0f};
-  float sum = 0;
-  for (std::int32_t i = 0; i < light.lamp_count && sum <= u * all; ++i) {
-    const float sent = lamp_irradiance(light, i, from_lamps);
+  for (std::int32_t i = 0; i < light.lamp_count; ++i) all += lamp_irradiance(light, i, at);
+  return all / light.from_lamps.all;
+}
+
+// By what each sends, but for the part that is chosen evenly of those that send any.
+OMMA_HD ChosenLight choose_of_few_lamps(const LightView& light, const LitPoint& at, float u) {
+  float all = 0;
+  std::int32_t lit = 0;
+  for (std::int32_t i = 0; i < light.lamp_count; ++i) {
+    const float sent = lamp_irradiance(light, i, at);
+    all += sent;
+    lit += sent > 0.0f ? 1 : 0;
+  }
+  if (lit == 0) return {};
+  const float evenly = even_part(lit);
+  const bool is_even = u < evenly;
+  std::int32_t left = is_even ? choose_evenly(lit, u).index : lit - 1;
+  float below = is_even ? INFINITY : (u - evenly) / (1.0f - evenly) * all;
+  ChosenLight chosen;
+  for (std::int32_t i = 0; i < light.lamp_count && left >= 0 && below >= 0.0f; ++i) {
+    const float sent = lamp_irradiance(light, i, at);
     if (!(sent > 0.0f)) continue;
-    sum += sent;
-    chosen = {i, sent / all, 0.0f};
+    below -= sent;
+    --left;
+    chosen = {i, in_part_evenly(sent / all, lit), 0.0f};
   }
   return chosen;
 }
 
-OMMA_HD LightSample sample_lamps(const LightView& light, Vec3 position, float u) {
-  LightSample sample;
-  const float* origin = light.lamp_origin_m;
-  const Vec3 from_lamps =
-      origin == nullptr ? position : position - Vec3{origin[0], origin[1], origin[2]};
-  const ChosenLight chosen = choose_lamp(light, from_lamps, u);
-  sample.index = chosen.index;
-  const LampAt at = eval_lamp_at(light.lamps[sample.index], from_lamps);
-  sample.kind = LightKind::lamp;
-  sample.is_delta = true;
-  sample.direction = at.direction;
-  sample.distance_m = at.distance_m;
-  sample.scale = at.scale;
-  if (at.scale > 0.0f) sample.pdf = light.lamp_probability * chosen.probability;
-  return sample;
+OMMA_HD ChosenLight choose_lamp(const LightView& light, const LitPoint& at, float u) {
+  if (light.lamp_count == 1) return {0, 1.0f, 0.0f};
+  if (light.lamp_count > few_lamps) return choose_light(light.lamp_tree, at, u);
+  return choose_of_few_lamps(light, at, u);
 }
 
-OMMA_HD LightSample sample_surfaces(const SceneView& scene, const LightView& light, Vec3 position,
-                                    float u, float u0, float u1) {
-  const ChosenLight chosen = sample_light_tree(light.emissive_tree, position, u);
+OMMA_HD void sample_lamps(const LightView& light, const LitPoint& point, float u,
+                          LightSample& sample) {
+  const LitPoint at = from_lamps(light, point);
+  const ChosenLight chosen = choose_lamp(light, at, u);
+  if (chosen.index < 0) return;
+  sample.index = chosen.index;
+  const LampAt lit = eval_lamp_at(light.lamps[sample.index], at.position);
+  sample.kind = LightKind::lamp;
+  sample.is_delta = true;
+  sample.direction = lit.direction;
+  sample.distance_m = lit.distance_m;
+  sample.scale = lit.scale;
+  if (lit.scale > 0.0f) sample.pdf = chosen.probability;
+}
+
+// Three random numbers in [0, 1): for which light, and where on it.
+struct LightNumbers {
+  float which, u0, u1;
+};
+
+OMMA_HD void sample_surfaces(const SceneView& scene, const LightView& light, const LitPoint& at,
+                             const LightNumbers& numbers, LightSample& sample) {
+  const ChosenLight chosen = choose_light(light.emissive_tree, at, numbers.which);
+  if (chosen.index < 0) return;
   const EmissiveView& emissive = light.emissive[chosen.index];
   const ChosenLight triangle = sample_light_tree(
-      emissive.triangles, place_in_mesh(scene, emissive.instance, position), chosen.left);
-  LightSample sample;
+      emissive.triangles, point_in_mesh(scene, emissive.instance, at), chosen.left);
+  if (triangle.index < 0) return;
   sample.kind = LightKind::surface;
   sample.index = emissive.instance;
   sample.mesh = emissive.mesh;
   sample.triangle = triangle.index;
   const LightTriangle seen =
-      see_triangle(scene, sample.index, sample.mesh, sample.triangle, position);
-  const TriangleSample place = sample_triangle(seen, u0, u1);
+      see_triangle(scene, sample.index, sample.mesh, sample.triangle, at.position);
+  const TriangleSample place = sample_triangle(seen, numbers.u0, numbers.u1);
   sample.direction = place.direction;
   sample.distance_m = place.distance_m;
   sample.u = place.u;
   sample.v = place.v;
   sample.normal = seen.normal * (1.0f / fmaxf(sqrtf(dot(seen.normal, seen.normal)), 1e-30f));
   for (const Vec3& corner : seen.corner) {
-    const Vec3 at = corner + position;
-    sample.reach_m = fmaxf(fmaxf(sample.reach_m, fabsf(at.x)), fmaxf(fabsf(at.y), fabsf(at.z)));
+    const Vec3 c = corner + at.position;
+    sample.reach_m = fmaxf(fmaxf(sample.reach_m, fabsf(c.x)), fmaxf(fabsf(c.y), fabsf(c.z)));
   }
   if (place.pdf > 0.0f && shines_towards(scene, sample.mesh, seen, place.direction))
-    sample.pdf = place.pdf * light.emissive_probability * chosen.probability * triangle.probability;
-  return sample;
+    sample.pdf = place.pdf * chosen.probability * triangle.probability;
 }
 
-// Towards a lamp or a surface that shines; `left`: a random number in [0, 1) less the probability
-// of light from afar.
-OMMA_HD LightSample sample_near_light(const SceneView& scene, const LightView& light, Vec3 position,
-                                      float left, float u0, float u1) {
-  constexpr float below_1 = 0x1.fffffep-1f;
-  if (left < light.lamp_probability)
-    return sample_lamps(light, position, fminf(left / light.lamp_probability, below_1));
-  if (light.emissive_probability > 0.0f) {
-    const float u = (left - light.lamp_probability) / light.emissive_probability;
-    return sample_surfaces(scene, light, position, fminf(fmaxf(u, 0.0f), below_1), u0, u1);
+// Probabilities with which a light sample is from afar, of a lamp, on a surface; they add up to 1,
+// or are all 0.
+struct LightKinds {
+  float far = 0, lamp = 0, surface = 0;
+};
+
+// By each kind's share of the irradiance of a point, the mean over bands:
+//
+//   p_k = ε / n + (1 - ε) mean_b E_k,b / Σ_j E_j,b,
+//
+// of the n kinds that send it light a part ε evenly, as any may be hidden. That surface and sky
+// turn to each other is left out.
+OMMA_HD LightKinds choose_kinds(const LightView& light, const LitPoint& at) {
+  const KindView kinds[3] = {light.from_afar, light.from_lamps, light.from_surfaces};
+  const int present = (kinds[0].all > 0.0f) + (kinds[1].all > 0.0f) + (kinds[2].all > 0.0f);
+  float here[3] = {};
+  for (int k = 0; k < 3; ++k)
+    if (kinds[k].all > 0.0f) here[k] = mean_cosine;
+  if (present > 1) {
+    if (here[1] > 0.0f) here[1] = eval_lamps(light, from_lamps(light, at));
+    if (here[2] > 0.0f) here[2] = mean_cosine * eval_light_node(light.emissive_tree.nodes[0], at);
   }
-  return {};
+  float share[3] = {}, bands = 0;
+  for (int b = 0; b < light.bands; ++b) {
+    float sent[3] = {};
+    for (int k = 0; k < 3; ++k)
+      if (here[k] > 0.0f) sent[k] = here[k] * kinds[k].sent[b];
+    const float all = sent[0] + sent[1] + sent[2];
+    if (!(all > 0.0f)) continue;
+    bands += 1.0f;
+    for (int k = 0; k < 3; ++k) share[k] += sent[k] / all;
+  }
+  const int lit = (share[0] > 0.0f) + (share[1] > 0.0f) + (share[2] > 0.0f);
+  const auto probability = [&](int k) {
+    return share[k] > 0.0f ? in_part_evenly(share[k] / bands, lit) : 0.0f;
+  };
+  return {probability(0), probability(1), probability(2)};
+}
+
+// Towards a lamp or a surface that shines, of the kinds' probabilities; `numbers.which`: less that
+// of light from afar.
+OMMA_HD void sample_near_light(const SceneView& scene, const LightView& light, const LitPoint& at,
+                               const LightKinds& kinds, LightNumbers numbers, LightSample& sample) {
+  constexpr float below_1 = 0x1.fffffep-1f;
+  sample = {};
+  if (numbers.which < kinds.lamp) {
+    sample_lamps(light, at, fminf(numbers.which / kinds.lamp, below_1), sample);
+    sample.pdf *= kinds.lamp;
+  } else if (kinds.surface > 0.0f) {
+    const float u = (numbers.which - kinds.lamp) / kinds.surface;
+    numbers.which = fminf(fmaxf(u, 0.0f), below_1);
+    sample_surfaces(scene, light, at, numbers, sample);
+    sample.pdf *= kinds.surface;
+  }
 }
 
 // What comes from where a sample looks, all bands, `components` of I, Q, U, at

@@ -55,10 +55,44 @@ OMMA_HD void end_at_lights(const HitGeometry<L>& geometry, const LightSamples<L>
   });
 }
 
+// Of a lane's surface: such as nothing goes through takes light from the viewer's side alone.
+template <typename L>
+OMMA_HD LitPoint lit_point(const Packet<L>& packet, const HitGeometry<L>& geometry,
+                           LaneMask<L> two_sided, int l) {
+  const Vec3 normal = vec_at(geometry.normal, l);
+  const float away = dot(normal, vec_at(packet.rays.direction, l));
+  if (two_sided.has(l)) return {vec_at(geometry.position, l), {}};
+  return {vec_at(geometry.position, l), normal * (away > 0.0f ? -1.0f : 1.0f),
+          geometry.reach_m[l] * leave_resolutions};
+}
+
+// How a light is chosen for the surfaces of some lanes.
+template <typename L, typename Search>
+OMMA_HD_CALLED void choose_light_kinds(const Flight<L, Search>& flight,
+                                       const HitGeometry<L>& geometry, LaneMask<L> scattering,
+                                       ScatteringPacket<L>& points) {
+  using F = typename L::F;
+  const SceneView& scene = flight.scene;
+  points.two_sided = lanes_where<L>([&](int l) {
+    F through{};
+    for (int b = 0; b < scene.bands; ++b)
+      through = through + load<F>(flight.memory.transmittance + b * L::count + l);
+    return through > 0.0f;
+  });
+  scattering.for_each([&](int l) {
+    const LightView& light = points.samples_all.has(l) ? *scene.all_lights : *scene.light;
+    const LightKinds kinds =
+        choose_kinds(light, lit_point(flight.packet, geometry, points.two_sided, l));
+    points.far[l] = kinds.far;
+    points.lamp[l] = kinds.lamp;
+    points.surface[l] = kinds.surface;
+  });
+}
+
 template <typename L, typename Search>
 OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightView& light,
-                                  const HitGeometry<L>& geometry, LaneMask<L> scattering,
-                                  LightSamples<L>& lights) {
+                                  const HitGeometry<L>& geometry, const ScatteringPacket<L>& points,
+                                  LaneMask<L> scattering, LightSamples<L>& lights) {
   using F = typename L::F;
   constexpr int n = L::count;
   const Packet<L>& packet = flight.packet;
@@ -71,8 +105,8 @@ OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightVi
   }
   lights.from_afar = lights.near = {};
   lights.has_sky = light.sky.probability > 0.0f;
-  const bool has_near = light.lamp_probability > 0.0f || light.emissive_probability > 0.0f;
-  if (!has_near && !(light.far_probability > 0.0f)) return;
+  const bool has_near = has_near_light(light);
+  if (!has_near && !(light.from_afar.all > 0.0f)) return;
 
   // Which light, and where on it.
   alignas(n * 4) float which[n] = {}, u0[n], u1[n];
@@ -85,7 +119,7 @@ OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightVi
   lights.from_afar = scattering;
   if (has_near)
     lights.from_afar &=
-        lanes_where<L>([&](int l) { return load<F>(which + l) < light.far_probability; });
+        lanes_where<L>([&](int l) { return load<F>(which + l) < load<F>(points.far + l); });
   lights.near = scattering & ~lights.from_afar;
 
   // The sky and its discs: all lanes at once.
@@ -93,14 +127,18 @@ OMMA_HD_CALLED void sample_lights(const Flight<L, Search>& flight, const LightVi
   if (lights.has_sky)
     find_far<L>(light, lights.direction, lights.from_afar, lights.on_sky);
   find_far_pdf<L>(light, lights.direction, lights.on_sky, lights.from_afar, lights.density);
+  if (has_near)
+    for (int l = 0; l < n; l += L::width)
+      store(lights.density + l, load<F>(lights.density + l) * load<F>(points.far + l));
   if (lights.has_sky)
     choose_nodes<L>(packet, state, Choice::place_on_light, lights.from_afar, lights.on_sky);
 
   // Lamps and surfaces that shine: lane by lane.
   lights.near.for_each([&](int l) {
-    const LightSample sample = sample_near_light(flight.scene, light, vec_at(geometry.position, l),
-                                                 which[l] - light.far_probability, u0[l], u1[l]);
-    lights.other[l] = sample;
+    LightSample& sample = lights.other[l];
+    sample_near_light(flight.scene, light, lit_point(packet, geometry, points.two_sided, l),
+                      {points.far[l], points.lamp[l], points.surface[l]},
+                      {which[l] - points.far[l], u0[l], u1[l]}, sample);
     store_vector(lights.direction, l, vector_of(sample.direction));
     lights.density[l] = sample.pdf;
     lights.is_delta[l] = sample.is_delta ? 1.0f : 0.0f;
@@ -217,7 +255,7 @@ OMMA_HD_CALLED void add_light_samples(const Flight<L, Search>& flight, const Lig
                                       const ScatteringPacket<L>& points, LaneMask<L> scattering) {
   LightSamples<L> lights;
   Scattered<L> scattered;
-  sample_lights(flight, light, geometry, scattering, lights);
+  sample_lights(flight, light, geometry, points, scattering, lights);
   scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, scattered);
   add_direct_light(flight, geometry, lights, points, scattered, scattering);
 }

@@ -5,6 +5,7 @@
 
 #include "physics/path/path_state.h"
 #include "physics/rays/passed.h"
+#include "physics/views/light_view.h"
 #include "physics/views/path_memory.h"
 
 namespace omma {
@@ -34,6 +35,12 @@ OMMA_HD bool lets_through(const SceneView& scene) {
 // Whether Mueller matrices of paths differ by band.
 OMMA_HD bool mirrors_by_band(const SceneView& scene) {
   return scene.polarized && scene.boundaries != nullptr;
+}
+
+// Whether next-event estimation chooses between lights at each surface.
+OMMA_HD bool chooses_lights(const SceneView& scene) {
+  return has_near_light(*scene.light) ||
+         (scene.all_lights != nullptr && has_near_light(*scene.all_lights));
 }
 
 // Where a path remembers them.

@@ -168,17 +168,18 @@ OMMA_HD void add_shining(const Flight<L, Search>& flight, const GatherPoints<L>&
     const Receiver& receiver = *at.of.receiver[l];
     const auto which = path_pair(receiver.hash, at.of.sample[l], choice_of_shining);
     const auto on = path_pair(receiver.hash, at.of.sample[l], choice_on_shining);
-    const LightSample sample =
-        sample_surfaces(scene, *scene.light, vec_at(at.geometry.position, l), which.x, on.x, on.y);
+    Vec3 outwards = vec_at(at.geometry.normal, l);
+    if (receiver.mesh >= 0 && receiver.is_back) outwards = outwards * -1.0f;
+    LightSample& sample = lights.other[l];
+    sample_surfaces(scene, *scene.light, {vec_at(at.geometry.position, l), outwards},
+                    {which.x, on.x, on.y}, sample);
     cosine[l] = dot(vec_at(at.normal, l), sample.direction);
-    float facing = dot(vec_at(at.geometry.normal, l), sample.direction);
-    if (receiver.mesh >= 0 && receiver.is_back) facing = -facing;
-    if (!(sample.pdf > 0.0f) || !(cosine[l] > 0.0f) || !(facing > 0.0f)) return;
+    if (!(sample.pdf > 0.0f) || !(cosine[l] > 0.0f) || !(dot(outwards, sample.direction) > 0.0f))
+      return;
     lights.near.add(l);
-    lights.other[l] = sample;
     store_vector(lights.direction, l, vector_of(sample.direction));
     lights.distance_m[l] = sample.distance_m;
-    weight[l] = cosine[l] * inverse_pi / (sample.pdf / scene.light->emissive_probability);
+    weight[l] = cosine[l] * inverse_pi / sample.pdf;
   });
   const LaneMask<L> open = trace_shadow_rays(flight, at.geometry, lights, lights.near);
   if (!open.any()) return;
@@ -290,7 +291,7 @@ OMMA_HD void gather_light(const SceneView& scene, Search& search, const GatherTa
     leave_surfaces<L>(geometry, way, packet.rays);
     // What shines is sampled first: the paths move on from where they begin.
     for (int i = 0; i < scene.bands * n; ++i) memory.front[i] = 0;
-    if (task.shining->light->emissive_probability > 0.0f)
+    if (task.shining->light->from_surfaces.all > 0.0f)
       add_shining(
           Flight<L, Search>{*task.shining, search, packet, state, memory, memory.front, nullptr},
           at, on);

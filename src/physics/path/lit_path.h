@@ -60,10 +60,12 @@ OMMA_HD LaneMask<L> play_roulette(const Flight<L, Search>& flight, LaneMask<L> o
   return on;
 }
 
-// The next rays of paths that were scattered, which leave the surface.
+// The next rays of paths that were scattered, which leave the surface; `chose`: null where there
+// are no near lights.
 template <typename L, typename Search>
 OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered,
-                          const HitGeometry<L>& geometry, const ScatteringSample<L>& sample) {
+                          const HitGeometry<L>& geometry, const ScatteringPacket<L>& points,
+                          const ScatteringSample<L>& sample) {
   using F = typename L::F;
   using I = typename L::I;
   Packet<L>& packet = flight.packet;
@@ -78,7 +80,14 @@ OMMA_HD void scatter_rays(const Flight<L, Search>& flight, LaneMask<L> scattered
     store(state.sampled_all + l, is ? keep(sample.samples_all.at(l), one) : before);
     store(packet.footprint_rad + l, is ? F{} : load<F>(packet.footprint_rad + l));
   }
+  const bool chooses = chooses_lights(flight.scene);
   scattered.for_each([&](int l) {
+    if (chooses) {
+      state.chose_far[l] = points.far[l];
+      state.chose_surface[l] = points.surface[l];
+      const Vec3 normal = lit_point(packet, geometry, points.two_sided, l).normal;
+      store_vector(state.lit_normal, l, vector_of(normal));
+    }
     packet.rays.mask[l] = packet.light_sees;
     state.seen_m[l] = 0;
     if (flight.passed != nullptr) flight.passed->count[l] = 0;
@@ -118,7 +127,7 @@ OMMA_HD Onward<L> continue_paths(const Flight<L, Search>& flight, LaneMask<L> on
   const LaneMask<L> scattered = play_roulette(flight, on & ~by & ~bent, sample, most);
   if (flight.scene.has_volumes) leave_media(flight, surface, sample, by, bent, scattered);
   by.for_each([&](int l) { pass(*flight.passed, l, flight.packet.rays); });
-  scatter_rays(flight, scattered, geometry, sample);
+  scatter_rays(flight, scattered, geometry, points, sample);
   if (bent.any()) bend_rays(flight, bent, geometry, sample);
   for (int l = 0; l < L::count; l += L::width)
     store(flight.state.flight + l, load<I>(flight.state.flight + l) + 1);
@@ -166,31 +175,33 @@ OMMA_HD_CALLED Onward<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, 
   on &= ~last;
   if (!on.any()) return {};
 
-  // Intersect. Where nothing is met the sky is read: after the surfaces, when what was fetched of
-  // it has come.
+  // Intersect.
   Hits<L> hits;
-  FarLookups<L> far;
   search_closest(flight.search, on, packet.rays, flight.passed, spread);
   find_hits<L>(flight.search.placed(), packet, hits);
   if (first != nullptr) *first = {packet, hits};
   if (scene.splats != nullptr) pass_splats(flight, on, first);
   const LaneMask<L> met = on & lanes_met(hits), missed = on & ~met;
-  if (missed.any()) look_up_far(flight, missed, far);
   for (int l = 0; l < L::count; l += L::width) {
     const I mesh = load<I>(hits.mesh + l);
     store(hits.mesh + l, met.at(l) ? mesh : mesh * 0 - 1);
   }
+
+  // Surfaces, and light from afar where nothing is met: read after them, when what was fetched of
+  // the sky has come.
   BakedLookup<L> baked = {};
   HitGeometry<L> geometry;
   LitSurface<L> surface;
-  if (met.any()) {
-    if (is_baked) find_baked<L>(scene, packet, hits, baked);
-    eval_geometry<L>(scene, packet.rays, hits, geometry);
-    eval_lit_surfaces<L>(scene, packet, hits, geometry, flight.memory, surface);
+  {
+    FarLookups<L> far;
+    if (missed.any()) look_up_far(flight, missed, far);
+    if (met.any()) {
+      if (is_baked) find_baked<L>(scene, packet, hits, baked);
+      eval_geometry<L>(scene, packet.rays, hits, geometry);
+      eval_lit_surfaces<L>(scene, packet, hits, geometry, flight.memory, surface);
+    }
+    if (missed.any()) add_far(flight, missed, far);
   }
-
-  // Light at the end of the rays: from afar; below, emission.
-  if (missed.any()) add_far(flight, missed, far);
   if (!met.any()) return {};
 
   // Who is scattered: not those that a surface lets by, nor those at full depth, whose paths end
@@ -209,6 +220,7 @@ OMMA_HD_CALLED Onward<L> trace_flight(Flight<L, Search> flight, LaneMask<L> on, 
   if (scene.shines) add_emission(flight, hits, surface, met);
 
   // Next-event estimation.
+  if (chooses_lights(scene)) choose_light_kinds(flight, geometry, scattering, points);
   const LaneMask<L> of_all = scattering & points.samples_all;
   add_light_samples(flight, *scene.light, geometry, points, scattering & ~of_all);
   if (of_all.any()) add_light_samples(flight, *scene.all_lights, geometry, points, of_all);

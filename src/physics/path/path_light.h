@@ -107,6 +107,8 @@ OMMA_HD_CALLED void add_far(const Flight<L, Search>& flight, LaneMask<L> lanes,
   const LaneMask<L> of_all = by_chance & having_sampled_all(scene, state);
   if (by_chance.any()) find_far_pdf<L>(light, direction, far.on_sky, by_chance & ~of_all, pdf);
   if (of_all.any()) find_far_pdf<L>(*scene.all_lights, direction, far.on_sky, of_all, pdf);
+  for (int l = 0; l < n; l += L::width)
+    store(pdf + l, load<F>(pdf + l) * load<F>(state.chose_far + l));
   eval_sky_lanes<L>(light, {direction, far.on_sky, lanes, keeps, far.at_nodes}, flight.components(),
                     arriving);
   alignas(n * 4) float acceptance_sr[n];
@@ -136,12 +138,13 @@ OMMA_HD_CALLED void add_emission(const Flight<L, Search>& flight, const Hits<L>&
     if (scene.scatter[surface.material[l]].emission == nullptr) return;
     if (state.gathers && state.scatterings[l] == 0) return;
     weight[l] = surface.alpha[l];
-    if (!is_from_eye(state.density[l]))
-      weight[l] *=
-          balance(state.density[l],
-                  met_light_pdf(scene, of_all.has(l) ? *scene.all_lights : *scene.light,
-                                {hits.instance[l], int_of(rays.triangle[l]), rays.t_far_m[l]},
-                                vec_at(rays.origin, l), vec_at(rays.direction, l)));
+    if (!is_from_eye(state.density[l])) {
+      const float pdf = met_light_pdf(scene, of_all.has(l) ? *scene.all_lights : *scene.light,
+                                      {hits.instance[l], int_of(rays.triangle[l]), rays.t_far_m[l]},
+                                      {vec_at(rays.origin, l), vec_at(state.lit_normal, l)},
+                                      vec_at(rays.direction, l));
+      weight[l] *= balance(state.density[l], state.chose_surface[l] * pdf);
+    }
     any = true;
   });
   if (any) add_light<L>(flight, weight, nullptr, flight.memory.emission);

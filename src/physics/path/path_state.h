@@ -38,6 +38,8 @@ struct PathState {
   alignas(n * 4) std::int32_t flight[n];  // how many flights lie behind
   // Whether the last surface sampled SceneView::all_lights, 0 or 1; read where there are such.
   alignas(n * 4) std::int32_t sampled_all[n];
+  // How that one chose a light, where there are near ones: LightKinds, and LitPoint's normal.
+  alignas(n * 4) float chose_far[n], chose_surface[n], lit_normal[3][n];
   float seen_m[n];  // up to where along the ray splats have been seen
   // Whether rays begin at a surface and gather what scattered light comes there: they see neither
   // discs nor what shines until they have met another surface.
@@ -53,6 +55,9 @@ OMMA_HD void reset_paths(const SceneView& scene, PathState<L>& state, const Path
     state.density[l] = INFINITY;
     state.scatterings[l] = state.flight[l] = state.sampled_all[l] = 0;
     state.seen_m[l] = 0;
+    state.chose_far[l] = 1;
+    state.chose_surface[l] = 0;
+    store_vector(state.lit_normal, l, Vector3<float>{});
   }
   if (scene.has_volumes) begin_in<L>(memory.media, no_medium);
   if (!scene.polarized) return;

@@ -122,6 +122,9 @@ struct ScatteringPacket {
   alignas(L::count * 4) std::int32_t boundary[L::count];  // boundary_of
   LaneMask<L> bends;        // from the eye, at the boundary of a volume
   LaneMask<L> samples_all;  // whose light is sampled of SceneView::all_lights
+  // Where there are near lights: LightKinds [lane], and who takes light from both sides.
+  alignas(L::count * 4) float far[L::count], lamp[L::count], surface[L::count];
+  LaneMask<L> two_sided;
 };
 
 // In place of a lobe: none, where a path ends; past the surface, which let the light by; through

@@ -18,6 +18,7 @@ struct WaitingPaths {
   alignas(aligned) std::int32_t hash[capacity], sample[capacity],
       scatterings[capacity], flight[capacity], sampled_all[capacity];
   alignas(aligned) float footprint_rad[capacity];
+  alignas(aligned) float chose_far[capacity], chose_surface[capacity], lit_normal[3][capacity];
   alignas(aligned) std::uint32_t mask[capacity];
   alignas(aligned) std::int32_t material[capacity], came[capacity];  // RayMedia
   alignas(aligned) std::int32_t ray[capacity];  // where its radiance goes
@@ -42,6 +43,11 @@ OMMA_HD void for_each_number(const Flight<L, Search>& flight, WaitingPaths<L>& w
   move(waiting.flight, state.flight);
   move(waiting.sampled_all, state.sampled_all);
   move(waiting.footprint_rad, packet.footprint_rad);
+  move(waiting.chose_far, state.chose_far);
+  if (chooses_lights(flight.scene)) {
+    move(waiting.chose_surface, state.chose_surface);
+    for (int r = 0; r < 3; ++r) move(waiting.lit_normal[r], state.lit_normal[r]);
+  }
   move(waiting.mask, packet.rays.mask);
   if (flight.scene.has_volumes) {
     move(waiting.material, flight.memory.media.material);

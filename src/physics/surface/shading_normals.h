@@ -26,7 +26,8 @@ struct NormalMap {
 };
 
 // The normal turned as a normal map says (glTF 2.0, 3.9.3): x along the image's rightwards, y
-// along its upwards direction on the surface, which come from the triangle's own coordinates.
+// along its upwards direction on the surface, which come from the triangle's own coordinates. From
+// behind the relief is the same: the whole normal is reversed, and `n` is on the viewer's side.
 template <typename F, typename I>
 OMMA_HD_CALLED Vector3<F> map_normal(const SceneView& scene, const MeshView& mesh,
                                      const NormalMap& map, const F (&m)[3][4],
@@ -53,8 +54,13 @@ OMMA_HD_CALLED Vector3<F> map_normal(const SceneView& scene, const MeshView& mes
   const F hand = dot(across, up) < 0.0f ? broadcast<F>(-1.0f) : broadcast<F>(1.0f);
   const Color<F> c =
       eval_texture_at(scene, mesh, map.read.texture, map.read.uv, map.read.density, p);
-  const F x = (c.r * 2.0f - 1.0f) * map.scale;
-  const F y = (c.g * 2.0f - 1.0f) * map.scale * hand;
+  const Vector3<F> column[3] = {
+      {m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}};
+  const F one = broadcast<F>(1.0f), size = dot(cross(column[0], column[1]), column[2]);
+  const F mirrored = size < 0.0f ? -one : one;
+  const F side = (dot(cross(e1, e2), n) * mirrored < 0.0f ? -one : one) * map.scale;
+  const F x = (c.r * 2.0f - 1.0f) * side;
+  const F y = (c.g * 2.0f - 1.0f) * side * hand;
   const F z = c.b * 2.0f - 1.0f;
   const Vector3<F> turned = normalize(right * x + across * y + n * z);
   return select(dot(turned, turned) > 0.5f, turned, n);

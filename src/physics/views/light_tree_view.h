@@ -2,6 +2,7 @@
 // backend/light_tree_data.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "omma/vec.h"
@@ -14,6 +15,11 @@ struct LightNode {
   float variance_m2 = 0;  // of their places, by power
   float power = 0;        // falls with the square of the distance
   float steady = 0;       // does not: of directional lamps
+  // Where those whose light falls with distance send none: farther from the box than range_m, and
+  // beyond a cone about `axis`, which is a unit vector; a cosine of -1: all around.
+  float range_m = INFINITY;
+  Vec3 axis;
+  float cos_reach = -1;
 };
 
 // A binary tree over lights (physics/light/light_tree.h), complete, in the order of a heap: those
@@ -25,6 +31,7 @@ struct LightTreeView {
   const std::int32_t* rank_of_light = nullptr;  // [light], as long as the other
   const float* sum = nullptr;  // [rank + 1], cumulative probabilities where no place is known
   std::int32_t leaves = 1, count = 0;  // powers of two; of ranks
+  std::int32_t lights = 0;
 };
 
 }  // namespace omma

@@ -66,6 +66,7 @@ struct LampView {
   float per_range_2 = 0;                  // 1 / range^2, m^-2; 0: without end
   float cone_scale = 0, cone_offset = 1;  // of the cosine from `direction`, of a spot
   const float* strength = nullptr;        // [band], per sr, or per m^2 where directional
+  float power = 0;                        // their sum
 };
 
 // An instance whose surface shines. Its triangles are chosen by a tree in the mesh's frame, then
@@ -96,6 +97,13 @@ struct CloudShadowView {
   float first_column = 0, first_row = 0;  // of the origin
 };
 
+// What a kind of light sends to a place from all around (scalar irradiance), where nothing is in
+// the way: of lamps and surfaces, times what the root of their tree sends there (eval_light_node).
+struct KindView {
+  const float* sent = nullptr;  // [band]
+  float all = 0;                // their sum; 0: there is no such light
+};
+
 // As many as AimsInView has bits for.
 inline constexpr std::int32_t most_aims = 1024;
 
@@ -123,10 +131,13 @@ struct LightView {
   std::int32_t aim_count = 0;     // most_aims at most
   float least_aimed = 0;          // what adds less is left to rays, beside light from afar
 
-  // That a light sample is from afar, of a lamp, on a surface; they add up to 1, or are all 0.
-  float far_probability = 0, lamp_probability = 0, emissive_probability = 0;
+  KindView from_afar, from_lamps, from_surfaces;
   std::int32_t instance_count = 0;  // of the scene
 };
+
+OMMA_HD bool has_near_light(const LightView& light) {
+  return light.from_lamps.all > 0.0f || light.from_surfaces.all > 0.0f;
+}
 
 // Which of the intervals of `sum`, [count + 1] ascending from 0 to 1, holds u: never one without
 // width.
