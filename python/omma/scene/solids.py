@@ -155,7 +155,7 @@ def plane(
 
     Args:
         size_m: (2,), to the right and upwards as seen from in front. Up is +Y, or -Z where it faces
-            up or down.
+            straight up or down.
         paint: as of `box`; a picture is upright as seen from in front.
         center_m: (3,), where its middle is.
         facing: (3,), where its front looks.
