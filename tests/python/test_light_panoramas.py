@@ -160,3 +160,13 @@ def test_what_was_changed_since_it_was_turned_is_turned_as_it_is():
     twice = light.scaled(2).turned(20)
     np.testing.assert_allclose(twice.discs[0].radiance, 2 * light.discs[0].radiance)
     np.testing.assert_allclose(twice.discs[0].direction, direction(30, 30), atol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(8, 40_000), (40_000, 8)])
+def test_strips_are_skies_of_as_many_columns_and_rows_as_there_may_be(shape):
+    light = omma.light.panorama(np.ones((*shape, 3), np.float32), bands=Bands.equal(3, 400, 700))
+    eye = omma.Eye([[0, 0, 0]], [[0, 1, -1]], 0.01)
+    seen = omma.Renderer(omma.World(omma.Scene(), light=light), eye, omma.Fixed(4)).render(
+        np.eye(4)
+    )
+    np.testing.assert_allclose(seen[0, 0], light.radiance((0, 1, -1))[0], rtol=1e-5)

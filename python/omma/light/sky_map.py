@@ -26,6 +26,8 @@ _NODES_AT_ONCE = 1 << 16
 # Of a picture whose map has nodes half a pixel apart; in larger ones they are a pixel apart, as
 # maps of four times their size would not fit.
 _FINE_PIXELS = 2048 * 1024
+# And of its longer side, of a strip: skies have 65,536 columns and 32,768 rows at most.
+_FINE_SIDE = 1 << 15
 
 
 def checked_sky(sky: Any, bands: int, matrix: Floats | None) -> Map:
@@ -161,7 +163,7 @@ def from_equirectangular(picture: Floats) -> Map:
     """
     height, width = picture.shape[:2]
     rows, columns = height + 1, max(4, 2 * width)
-    if height * width > _FINE_PIXELS:
+    if height * width > _FINE_PIXELS or max(height, width) >= _FINE_SIDE:
         rows, columns = max(2, (height + 1) // 2 + 1), max(4, width)
     # In pixels from the middle of the first. Column 0 looks ahead, which is the picture's middle.
     column = (width - 1) / 2 + np.arange(columns) * (width / columns)
