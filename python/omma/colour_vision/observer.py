@@ -111,7 +111,8 @@ class Decision:
 
     def __init__(self, eye: Eye, observer: Observer) -> None:
         self._observer = observer
-        of_types = [one.name for one in eye.receptor_types]
+        types = eye.receptor_types  # a list made anew each time, of thousands for a fly
+        of_types = [one.name for one in types]
         names = list(dict.fromkeys(of_types))
         number = {name: k for k, name in enumerate(names)}
         self._class_of_type = np.array([number[name] for name in of_types], np.int64)
@@ -127,7 +128,7 @@ class Decision:
         self._noise = np.array(observer.noise or [0.1] * len(names))
         self._names = names
         self._nearest: dict[int, Nearest] = {}
-        used = [eye.receptor_types[k] for k in np.unique(eye.receptor_type).tolist()]
+        used = [types[k] for k in np.unique(eye.receptor_type).tolist()]
         counted = [one for one in used if not observer.receptors or one.name in observer.receptors]
         self.most_polarisation = max((one.polarisation_sensitivity for one in counted), default=1.0)
         if observer.by != "photons" and len(eye) < observer.ommatidia:
