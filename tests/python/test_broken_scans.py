@@ -1,12 +1,22 @@
 """Files of points that are broken are refused, with where and what was found."""
 
+import struct
+
 import numpy as np
 import pytest
-from point_clouds import COUNT, PLACES, ply_columns, write_las, write_ply
+from point_clouds import (
+    COUNT,
+    PLACES,
+    colour_columns,
+    ply_columns,
+    turned,
+    write_las,
+    write_ply,
+)
 
 import omma
 from omma.job.points_info import describe_points
-from omma.scene import load_points
+from omma.scene import PointCloud, load_points
 
 
 def rows(count=100):
@@ -226,3 +236,72 @@ def test_intensities_below_zero(tmp_path, pair, seen, words, said):
         assert colors is None
         return
     assert np.unique(colors[:, :3]) == pytest.approx(seen)
+
+
+def test_pieces_of_which_nothing_is_left(tmp_path, monkeypatch):
+    """The first, the last, and others between those that are good."""
+    monkeypatch.setattr("omma.scene.point_files.PIECE", 100)
+    held = np.arange(COUNT) < 150
+    held[300:400] = True
+    path = write_las(tmp_path / "a.las", withheld=held)
+    with pytest.warns(UserWarning, match="250 points are left out: withheld"):
+        cloud = load_points(path)
+    assert cloud.positions_m == pytest.approx(turned(PLACES[~held]), abs=6e-5)
+    assert dict(describe_points(str(path)))["number"] == "250"
+    for columns in (
+        ply_columns(),
+        ply_columns(**colour_columns(), intensity=("float", PLACES[:, 0])),
+    ):
+        path = write_ply(tmp_path / "a.ply", columns)
+        for every in (251, 499, 1000):  # nothing of most pieces
+            cloud = load_points(path, every=every)
+            assert cloud.positions_m + cloud.offset_m == pytest.approx(PLACES[::every], abs=1e-6)
+
+
+@pytest.mark.parametrize("ending", [".las", ".laz"])
+def test_las_files_of_which_nothing_is_left(tmp_path, monkeypatch, ending):
+    monkeypatch.setattr("omma.scene.point_files.PIECE", 100)
+    for words, given in (
+        ("500 withheld", {"withheld": np.ones(COUNT, bool)}),
+        ("500 class noise", {"classes": np.full(COUNT, 7)}),
+    ):
+        path = write_las(tmp_path / f"a{ending}", colours=np.ones((COUNT, 3)), **given)
+        for read in (load_points, omma.load_scene, lambda one: describe_points(str(one))):
+            with pytest.raises(omma.Error, match=f"found none of 500 that can be used: {words}"):
+                read(path)
+
+
+@pytest.mark.parametrize("ending", [".las", ".laz"])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize(
+    ("at", "number", "words"),
+    [
+        (131, 0.0, "scale of {} of 1e-18 to 1e.18, found 0"),
+        (131, 1e-300, "scale of {} of .*, found 1e-300"),
+        (131, np.nan, "scale of {} of .*, found nan"),
+        (131, np.inf, "scale of {} of .*, found inf"),
+        (155, np.nan, "offset of {} up to 1e.18, found nan"),
+        (155, -1e300, "offset of {} up to 1e.18, found -1e.300"),
+    ],
+)
+def test_scales_and_offsets_that_leave_nothing_of_places(tmp_path, ending, axis, at, number, words):
+    path = write_las(tmp_path / f"a{ending}")
+    made = bytearray(path.read_bytes())
+    struct.pack_into("<d", made, at + 8 * axis, number)
+    path.write_bytes(made)
+    for read in (load_points, omma.load_scene, lambda one: describe_points(str(one))):
+        with pytest.raises(omma.Error, match=r"a\.la.: expected an? " + words.format("xyz"[axis])):
+            read(path)
+
+
+def test_places_beyond_any_world_that_lie_together(tmp_path):
+    far = PLACES.astype(float) * 1e290 + 1e300
+    columns = {axis: ("double", far[:, k]) for k, axis in enumerate("xyz")}
+    path = write_ply(tmp_path / "a.ply", columns)
+    for read in (load_points, omma.load_scene):
+        with pytest.raises(omma.Error, match=r"a\.ply: expected points within 1e.18 m"):
+            read(path)
+    with pytest.raises(omma.Error, match=r"offset_m: expected points within 1e.18 m"):
+        PointCloud(PLACES, (0, 1e300, 0))
+    with pytest.raises(omma.Error, match=r"expected points within 1e.18 m"):
+        PointCloud(far)

@@ -134,6 +134,14 @@ def test_a_colour_without_a_distance_leaves_a_gap(tmp_path, drawn):
         (lambda to: cv.plot_distances(to, [np.nan], ["a"]), "or NaN where there is none"),
         (lambda to: cv.plot_distances(to, [1, np.inf], ["a", "b"]), "finite numbers from 0 on"),
         (lambda to: cv.plot_hexagon(to, [0, 1, 2]), "excitations from 0 to 1"),
+        (
+            lambda to: cv.plot_hexagon(to, [0, 1, 0], spectrum=([400, 500], [[0, 1, 2]] * 2)),
+            "spectrum: expected excitations from 0 to 1, found 2; of catches",
+        ),
+        (
+            lambda to: cv.plot_triangle(to, [1, 1, 1], spectrum=([400, 500], [[0, 1, -2]] * 2)),
+            "spectrum: expected finite numbers from 0 on",
+        ),
         (lambda to: cv.plot_hexagon(to, np.empty((0, 3))), "at least one colour"),
         (lambda to: cv.plot_triangle(to, [1, 1, 1], labels=["a", "b"]), "labels: expected 1 names"),
         (lambda to: cv.plot_triangle(to, [1, 1, 1], classes="abc"), "classes: expected a sequence"),

@@ -311,6 +311,14 @@ def test_d_prime_adds_up_over_receptors_and_time():
         ),
         (lambda: cv.noise_limited_distance([1, 1], [1, 1], [1]), r"noise: expected shape \(2,\)"),
         (
+            lambda: cv.noise_limited_distance([1, 1], [1, 2], [13, 15]),
+            "noise: .* at most 1, found 13 or more; 13 per cent would be 0.13",
+        ),
+        (
+            lambda: cv.noise_limited_coordinates([1, 1], [13, 13]),
+            "noise: .* 13 per cent would be 0.13",
+        ),
+        (
             lambda: cv.noise_limited_distance([1], [1], [1], signal="linear", photon_noise=True),
             "adapting: expected photons of the background",
         ),

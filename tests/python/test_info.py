@@ -136,9 +136,9 @@ def test_places_far_from_the_origin_keep_their_centimetres(omma_command, tmp_pat
     assert place_words((0.123456, -12.3456, 100.0)) == "(0.1235, -12.35, 100)"
 
 
-def said(omma_command, path):
+def said(omma_command, path, *options):
     """What `omma info` says of a file, by the first word of its lines."""
-    code, out, err = omma_command("info", path)
+    code, out, err = omma_command("info", path, *options)
     assert (code, err) == (0, "")
     return dict(re.split(r"  +", line, maxsplit=1) for line in out.splitlines())
 
@@ -226,11 +226,36 @@ def test_info_of_tables_of_something_else(omma_command, tmp_path):
 def test_sizes_are_told_in_words():
     flat = describe_extent(np.array([50_000.0, 40_000.0, 900.0]))
     assert flat.startswith("5e+04 x 4e+04 x 900 m, as of a region; if it is in millimetres, 50 m")
-    assert flat.endswith("it is flat along z, as if +Z were up (--up z; --scene-up z of a render)")
+    said = "it is flat along z, as if +Z were up in the file (--up z; --scene-up z of a render)"
+    assert flat.endswith(said)
     plot = describe_extent(np.array([4.0, 0.3, 5.0]))
     assert plot == "4 x 0.3 x 5 m, as of a tree, a room or a plot"
     # What is rounding of the largest length is 0.
     assert size_words(np.array([6, 2e-16, 7e-9])) == "6 x 0 x 7e-09 m"
+
+
+@pytest.mark.parametrize("name", ["mesh.ply", "points.ply", "points.xyz"])
+@pytest.mark.parametrize("flat", ["y", "z"])
+@pytest.mark.parametrize("up", [None, "y", "z"])
+def test_another_axis_up_is_told_but_not_the_one_that_is_read(
+    omma_command, tmp_path, name, flat, up
+):
+    """Files that are flat along an axis, read with one up: by default +Z of text, +Y of PLY."""
+    places = [(x, 0.01, z) if flat == "y" else (x, z, 0.01) for x in range(4) for z in range(4)]
+    rows = [" ".join(map(str, one)) for one in places]
+    if name.endswith(".ply"):
+        head = ["ply", "format ascii 1.0", "element vertex 16"]
+        head += [f"property float {axis}" for axis in "xyz"]
+        if name == "mesh.ply":
+            pytest.importorskip("trimesh")
+            head += ["element face 1", "property list uchar int vertex_indices"]
+            rows.append("4 0 3 15 12")
+        rows = [*head, "end_header", *rows]
+    (tmp_path / name).write_text("\n".join(rows) + "\n")
+    found = said(omma_command, tmp_path / name, *(["--up", up] if up else []))["extent"]
+    read = up or ("z" if name.endswith(".xyz") else "y")
+    assert ("it is flat along z" in found) == (read != flat)
+    assert (f"(--up {flat};" in found) == (read != flat)
 
 
 @pytest.mark.parametrize(

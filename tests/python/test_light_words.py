@@ -62,6 +62,7 @@ def test_they_are_the_arguments_of_a_world():
     [
         ("", "expected one of clear_sky, .*found ''"),
         ("sun", "expected one of clear_sky, .*found 'sun'"),
+        ("measured_sky", "measured_sky is for Python alone, .*; expected one of clear_sky, "),
         ("clear_sky 30", "expected name=value, .*sun_elevation_deg.*found '30'"),
         ("clearsky sun_elevation_deg=30", "found 'clearsky'; did you mean 'clear_sky'"),
         ("clear_sky sun=30 up=1", "light: clear_sky: expected one of sun_elev.*, found 'up'$"),

@@ -514,6 +514,9 @@ def test_cameras_that_mirror_or_stretch_are_told(tmp_path, scale, words):
     [
         ([[math.pi / 2, 0, 0]], "90"),
         ([[0, -math.pi / 4, 0], [3, 0, 0]], "-45"),
+        ([[1.57, 0, 0]], "89.95"),
+        ([[0, 0, 0], [-1.571, 0, 0], [3.14, 0.785, 0]], "-90.01"),
+        (np.float32([[0, 1.57, 0]]), "89.95"),
         (np.c_[np.linspace(-3.1, 3.1, 20), np.zeros((20, 2))], "177.6"),
         (np.c_[np.linspace(0, 6.2, 20), np.zeros((20, 2))], "355.2"),
     ],
@@ -523,6 +526,20 @@ def test_angles_in_radians_are_told(angles, seen_deg):
     assert len(told) == 1
     assert "expected degrees" in told[0]
     assert f"radians would be {seen_deg}" in told[0]
+
+
+@pytest.mark.parametrize(
+    "angles",
+    [
+        [[0, 0, 0]],
+        [[1.5, 0, 0]],
+        [[0.79, -2.36, 0]],
+        [[1.57, 0.4, 0]],  # of a head that is measured to hundredths of a degree
+        np.random.default_rng(1).uniform(-2.5, 2.5, (2000, 3)).round(2),
+    ],
+)
+def test_small_angles_in_degrees_are_not(angles):
+    assert told_of(lambda: omma.poses_from_angles((0, 1, 0), angles))[0] == []
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 jobs of data sets, and in what files and pages say of how they were made."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -117,6 +118,19 @@ def test_what_does_not_fit_names_the_option(folder, done, refused, monkeypatch):
     done("render", "scan.ply", *WORDS, "--scene-voxel-m", option, "-o", "a.npy")
     said = refused("measure", "aliasing", "scan.ply", "--scene-voxel-m", "0", *WORDS[:2])
     assert "--scene-voxel-m: expected a number above 0" in said
+
+
+def test_cells_that_leave_too_few_points_name_the_option(folder, done, refused):
+    said = refused("render", "scan.ply", *WORDS, "--scene-voxel-m", "5", "-o", "a.npy")
+    words = r"--scene-voxel-m: expected cells small enough to leave more than 12 of 4,000 points"
+    assert re.search(words + ", found 5, which leaves [124]$", said.strip())
+    with pytest.raises(omma.Error, match=r"scan\.ply: voxel_m: expected cells small enough"):
+        omma.load_scene("scan.ply", voxel_m=5)
+    (folder / "few.xyz").write_text("".join(f"{k} {k * k} 0\n" for k in range(6)))
+    for more in ([], ["--scene-voxel-m", "0.1"]):
+        said = refused("render", "few.xyz", *WORDS, *more, "-o", "a.npy")
+        assert "few.xyz: expected more than 12 points at different places" in said
+        assert "--" not in said
 
 
 def test_the_page_says_it_too():

@@ -91,7 +91,7 @@ def test_ocean_optics(tmp_path, sign):
     assert found["petal one"] == omma.light.Spectrum([300, 500, 700], [0.05, 0.7, 0.72])
     # Its noise below 200 nm is told by line.
     with pytest.raises(
-        omma.Error, match=r"petal one.txt, line 8: .*found -3.127 of 'petal one' at"
+        omma.Error, match=r"petal one.txt, line 8: .*found -312.7 of 'petal one' at"
     ):
         load_spectra(path, unit="percent")
 
@@ -108,7 +108,7 @@ def test_avantes(tmp_path):
     name = "Reflectance [% reflectance]"
     found = quietly(path, columns=[name])
     assert found[name] == omma.light.Spectrum([300, 700], [0.05, 0.72])
-    with pytest.raises(omma.Error, match=r"found 68.76 \(of percent\); columns= and range_nm="):
+    with pytest.raises(omma.Error, match=r"found 6876 \(of percent\); columns= and range_nm="):
         load_spectra(path)
     assert list(load_spectra(path, unit="as_is", columns=["Ref [counts]"])) == ["Ref [counts]"]
 
@@ -165,7 +165,7 @@ def test_per_cent_and_fractions(tmp_path):
     assert value("wl,a\n300,0.5\n700,1.2\n", unit="fraction") == [0.5, 1.2]
     with pytest.raises(omma.Error, match=r"of at most 1.5, found 60 \(of fraction\)"):
         value(percent, unit="fraction")
-    with pytest.raises(omma.Error, match=r"of at most 1.5, found 300 \(of percent\).*as_is"):
+    with pytest.raises(omma.Error, match=r"of at most 150, found 30000 \(of percent\).*as_is"):
         value("wl,a\n300,2\n700,30000\n", unit="percent")
     assert value("wl,a\n300,2\n700,30000\n", unit="as_is") == [2, 30000]
     with pytest.raises(omma.Error, match="unit: expected one of fraction, percent, as_is"):
@@ -176,6 +176,9 @@ def test_noise_about_0(tmp_path):
     path = written(tmp_path, "wl,a,b\n300,-0.04,0.2\n500,-0.01,0.3\n700,0.5,0.4\n")
     with pytest.warns(UserWarning, match=r"2 values below 0, down to -0.04, are taken as 0"):
         assert load_spectra(path, unit="fraction")["a"].value.tolist() == [0, 0, 0.5]
+    # In the file's own numbers.
+    with pytest.warns(UserWarning, match=r"1 values below 0, down to -3, are taken as 0"):
+        load_spectra(written(tmp_path, "wl,a\n300,-3\n700,50\n"), unit="percent")
     path = written(tmp_path, "wl,a\n300,-0.06\n700,0.5\n")
     with pytest.raises(omma.Error, match=r"petals.csv, line 2: .*at least -0.05.* found -0.06 of"):
         load_spectra(path, unit="fraction")
@@ -282,6 +285,19 @@ WRONG = {
     "one column": ("wl\n300\n400\n", "expected lines of wavelengths and values, found none"),
     "nothing": ("", "expected a table of wavelengths and values, found no line of one"),
     "words": ("a field of flowers\n", "expected lines of wavelengths and values, found none"),
+    "cut in its last line": (
+        "wl,a\n300,1\n400,1\n500,1\n600,1\n70",
+        "line 6: expected 2 numbers, found 1",
+    ),
+    "cut, with tabs": ("wl\ta\n300\t1\n400\t1\n5", "line 4: expected 2 numbers, found 1"),
+    "cut, with decimal commas": (
+        "wl;a\n300,0;1,5\n400,0;1,5\n500,0",
+        "line 4: expected 2 numbers, found 1",
+    ),
+    "per cent far below 0": (
+        "wl,a\n300,-8\n400,1\n",
+        "line 2: expected values of at least -5, which is noise, found -8 of 'a' at 300 nm",
+    ),
     "two of a name": ("wl,a,a\n300,1,2\n400,1,2\n", "of different names, found 'a' twice"),
     "two wavelengths": ("wl,a,wl\n300,1,2\n400,1,2\n", "expected one column of wavelengths"),
 }

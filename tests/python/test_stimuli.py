@@ -30,6 +30,7 @@ STIMULI = {
     "square sphere": SphereGrating(24, 2, "square", direction_deg=-60),
     "screen": PlaneGrating(0.5, 1, background=0.2),
     "ground": PlaneGrating(1.0, 1.5, direction_deg=90, center_m=(0, -1, 0), contrast=0.6),
+    "ceiling": PlaneGrating(1.2, 1.5, direction_deg=20, center_m=(0.2, 1, -0.1), size_m=(3, 2)),
     "optomotor drum": optomotor_drum(18, -90.0),
     "bar": Bar(20, 60, 90.0, direction_deg=45),
     "edge": edge(40.0, -20.0),
@@ -133,6 +134,68 @@ def test_gratings_drift_where_they_are_told_to():
     assert wall.transforms([0.1])[0, 0, 0, 3] == pytest.approx(-0.05)
     ground = PlaneGrating(0.5, 1, direction_deg=90, center_m=(0, -1, 0))
     assert ground.transforms([0.1])[0, 0, 2, 3] == pytest.approx(-0.05)
+
+
+ASKEW = (0, 0.01, -0.01, 0.6, -0.6)
+
+
+@pytest.mark.parametrize("height_m", [1.5, -1.5])
+@pytest.mark.parametrize("direction_deg", [0, 90, 30])
+def test_a_ceiling_drifts_as_the_ground_does(height_m, direction_deg):
+    """To the right of who looks ahead, or ahead, also where the plane is askew."""
+    angle = np.radians(direction_deg)
+    for x, z in [(x, z) for x in ASKEW for z in ASKEW]:
+        grating = PlaneGrating(
+            1.0, 1, direction_deg=direction_deg, center_m=(x, height_m, z), size_m=(9, 9)
+        )
+        ((linear,), _) = grating.velocities([0.1])["plane"]
+        normal = np.array([x, height_m, z]) / np.linalg.norm([x, height_m, z])
+        ahead = np.array([0.0, 0, -1]) + normal[2] * normal
+        ahead /= np.linalg.norm(ahead)
+        right = np.cross(ahead, normal * np.sign(normal[1]))
+        assert linear == pytest.approx(np.cos(angle) * right + np.sin(angle) * ahead)
+        assert right[0] > 0.9
+        assert ahead[2] < -0.9
+
+
+DRIFTS = [
+    ((0, 1.5, 0), 0, (1, 0, 0)),
+    ((0, 1.5, 0), 90, (0, 0, -1)),
+    ((0, 1.5, -0.01), 90, (0, 0, -1)),
+    ((0, 1.5, 0.01), 0, (1, 0, 0)),
+    ((0, -1.5, 0), 0, (1, 0, 0)),
+    ((0.3, -1.5, 0.3), 90, (0, 0, -1)),
+    ((0.9, 1.5, 0), 0, (1, 0, 0)),
+    ((0.9, 1.5, 0.2), 90, (0, 0, -1)),
+    ((0, 0, -1.5), 0, (1, 0, 0)),
+    ((0, 0, -1.5), 90, (0, 1, 0)),
+    ((1.5, 0, 0), 0, (0, 0, 1)),
+    ((1.5, 0.2, 0), 90, (0, 1, 0)),
+    ((0, 1.5, -1.5), 0, (1, 0, 0)),
+    ((0, 1.5, -1.5), 90, (0, 1, 1)),
+]
+
+
+@pytest.mark.parametrize(("center_m", "direction_deg", "way"), DRIFTS)
+def test_stripes_are_seen_to_go_that_way(center_m, direction_deg, way):
+    grating = PlaneGrating(0.6, 1, direction_deg=direction_deg, center_m=center_m, size_m=(9, 9))
+    normal = np.array(center_m) / np.linalg.norm(center_m)
+    along = way - (normal @ way) * normal  # what of it is along the plane
+    along /= np.linalg.norm(along)
+    places = center_m + np.linspace(-0.4, 0.4, 9)[:, None] * along
+
+    def seen(points, time_s):
+        axes = points / np.linalg.norm(points, axis=1, keepdims=True)
+        renderer = omma.Renderer(grating.world(), eye_of(axes, 0.0), omma.Fixed(1))
+        responses = grating.play(renderer, [time_s])[0, :, 1]
+        assert responses == pytest.approx(grating.radiance(axes, time_s), abs=2e-3)
+        return responses
+
+    # A tenth of a second later the same stripes are 6 cm further on.
+    on = 0.06 * along
+    before = seen(places, 0.0)
+    assert seen(places + on, 0.1) == pytest.approx(before, abs=0.01)
+    assert np.abs(seen(places - on, 0.1) - before).max() > 0.1
 
 
 def test_an_optomotor_drum_turns_with_its_speed():

@@ -349,6 +349,21 @@ def test_a_disc_comes_with_its_speed_and_a_target_turns_about_the_head():
     assert_allclose(angular, [[0, -np.radians(40), 0]], atol=1e-6)
 
 
+def test_what_begins_or_stops_has_all_of_its_velocity_at_that_time():
+    target = Target(2.0, [0, 0.3, 0.7], [-20, 20, 20], [0, 0, 40])
+    times = [-0.1, 0, 0.3, 0.1 + 0.1 + 0.1 + 0.1 + 0.1 + 0.1 + 0.1, 0.7, 0.8]
+    linear, _ = target.velocities(times)["target"]
+    first, last = np.radians(40) / 0.3, np.radians(40) / 0.4
+    mean = np.hypot(first, last) / 2  # of before and after, across each other
+    assert_allclose(np.linalg.norm(linear, axis=1), [0, first, mean, last, last, 0], atol=1e-4)
+    one = omma.velocities_from_poses(target.transforms([0, 1e-3])[:, 0], [0, 1e-3])[0]
+    assert_allclose(linear[1], one[0], atol=0.01)
+    assert not np.any(Target(2.0, [0.5], [0], [0]).velocities([0.4, 0.5, 0.6])["target"])
+    disc = LoomingDisc(0.05, 1.0, largest_deg=90, half_width_m=0.1)
+    linear, _ = disc.velocities([0.95 - 1e-5, 0.95, 0.95 + 1e-5])["disc"]
+    assert_allclose(linear[:, 2], [2, 2, 0], atol=1e-6)
+
+
 def test_turns_that_would_seem_to_go_the_other_way_are_refused():
     drum = DrumGrating(90, 20)  # 1,800° a second
     renderer = lasting(drum, 4)

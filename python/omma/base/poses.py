@@ -34,6 +34,11 @@ _NO_NUMBERS = {
     "m": "durations",
 }
 ANGLE_COLUMNS = ("x", "y", "z", "yaw_deg", "pitch_deg", "roll_deg")
+# Quarter turns in radians as people type them, 1.57 or 1.571, and eighths: 0.785.
+_TYPED_RAD = np.array(
+    [round(k * np.pi / 2, digits) for k in range(1, 5) for digits in (2, 3)]
+    + [round(k * np.pi / 4, 3) for k in range(1, 8, 2)]
+)
 # Further from 1 a quaternion's length is no rounding, as of three digits.
 _ROUNDED = 0.01
 
@@ -173,13 +178,16 @@ def poses_from_angles(positions_m: ArrayLike, yaw_pitch_roll_deg: ArrayLike) -> 
 
 def warn_of_radians(angles_deg: Matrices, name: str) -> None:
     """Warns of angles (P, A), of which the first turn all around, that look like radians: all
-    within a turn, and multiples of a quarter turn or, where there are many, spread over all of
-    it."""
+    within a turn, and multiples of an eighth of a turn or, where there are many, spread over all of
+    it; or nothing but such multiples of two or three decimals."""
     size = np.abs(angles_deg)
     if not size.size or size.max() > 2 * np.pi + 1e-6:
         return
     quarters = size / (np.pi / 4)
     is_quarter = (quarters > 0.5) & (np.abs(quarters - np.round(quarters)) < 1e-4)
+    is_typed = (np.abs(size[..., None] - _TYPED_RAD) < 1e-6).any(axis=-1)
+    if (is_typed | (size == 0)).all():
+        is_quarter |= is_typed
     turned = angles_deg[:, 0]
     all_around = len(turned) >= 8 and np.ptp(turned) > 0.85 * 2 * np.pi
     if is_quarter.any():

@@ -66,38 +66,66 @@ def velocities_from_poses(
 
 
 def velocities_between(
-    before: Matrices, after: Matrices, step_s: float
+    before: Matrices, after: Matrices, step_s: float | NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Linear velocities (P, 3), m/s, and angular ones (P, 3), rad/s, in the world, of frames that
-    go straight and turn evenly from ``before`` to ``after``, (P, 4, 4), in ``step_s``.
+    go straight and turn evenly from ``before`` to ``after``, (P, 4, 4), in ``step_s``, one or (P,);
+    0 where that is 0.
     """
-    linear = (after[:, :3, 3] - before[:, :3, 3]) / step_s
+    steps = np.broadcast_to(np.asarray(step_s, np.float64), len(before))[:, None]
+    rate_hz = np.divide(1.0, steps, out=np.zeros_like(steps), where=steps > 0)
+    linear = (after[:, :3, 3] - before[:, :3, 3]) * rate_hz
     turns = _rotation_vectors(_nearest_turns(before), _nearest_turns(after))
-    return linear, turns / step_s
+    return linear, turns * rate_hz
+
+
+def times_about(
+    times_s: NDArray[np.float64], step_s: float, ends_s: tuple[float, float]
+) -> NDArray[np.float64]:
+    """Two times before and two after each of some (P,), from 2 steps before to 2 after: (4, P).
+
+    None are beyond the end, of a motion that begins and ends, on whose side a time is; at an end
+    and between them they are those of the motion. Instead of two before or after of which there is
+    no room for both there is the nearer one twice.
+    """
+    first, last = ends_s
+    # Ends are rounded to float32 in files, and times are sums.
+    begins, stops = (abs(end) * 2.0**-23 + 1e-3 * step_s for end in ends_s)
+    is_early, is_late = times_s < first - begins, times_s > last + stops
+    low = np.where(is_early, -np.inf, np.where(is_late, last, first))
+    high = np.where(is_late, np.inf, np.where(is_early, first, last))
+    at = np.clip(times_s, low, high)
+    before, after = np.maximum(at - step_s, low), np.minimum(at + step_s, high)
+    two_before = np.where(at - 2 * step_s >= low, at - 2 * step_s, before)
+    two_after = np.where(at + 2 * step_s <= high, at + 2 * step_s, after)
+    return np.stack([two_before, before, after, two_after])
 
 
 def velocities_about(
-    places: tuple[Matrices, Matrices, Matrices, Matrices], step_s: float
+    places: NDArray[np.float64], times_s: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The same of moments, from where frames are 2 and 1 ``step_s`` before them and 1 and 2 after.
+    """The same of moments, from where frames are (4, P, 4, 4) at the `times_about` them (4, P).
 
     What is far faster from just before a moment to just after than on either side has jumped, and
-    has the velocity of the two sides.
+    has the velocity of the two sides, or of the one that there is.
     """
-    before, across, after = (
-        velocities_between(places[k], places[k + 1], seconds)
-        for k, seconds in enumerate((step_s, 2 * step_s, step_s))
-    )
-    linear, angular = (_without_jumps(*parts) for parts in zip(before, across, after, strict=True))
+    steps = np.diff(times_s, axis=0)
+    parts = [velocities_between(places[k], places[k + 1], steps[k]) for k in range(3)]
+    sides = np.sum(steps[::2] > 0, axis=0)[:, None]
+    linear, angular = (_without_jumps(*three, sides) for three in zip(*parts, strict=True))
     return linear, angular
 
 
 def _without_jumps(
-    before: NDArray[np.float64], across: NDArray[np.float64], after: NDArray[np.float64]
+    before: NDArray[np.float64],
+    across: NDArray[np.float64],
+    after: NDArray[np.float64],
+    sides: NDArray[np.integer],
 ) -> NDArray[np.float64]:
+    """Of velocities (P, 3), where so many sides (P, 1) are known; those that are not are 0."""
     speeds = [np.linalg.norm(one, axis=1, keepdims=True) for one in (before, across, after)]
-    jumps = speeds[1] > _JUMP * np.maximum(speeds[0], speeds[2])
-    return np.where(jumps, (before + after) / 2, across)
+    jumps = (sides > 0) & (speeds[1] > _JUMP * np.maximum(speeds[0], speeds[2]))
+    return np.where(jumps, (before + after) / np.maximum(sides, 1), across)
 
 
 def is_stretched(matrices: Matrices, tolerance: float = 1e-5) -> bool:

@@ -79,16 +79,15 @@ class DiscView(View):
         eye = self._whole.take(ommatidia)
         matrix = receptor_matrix(eye, bands=self._light.bands)
         air = self._light.extinction_per_m
+        # Photons for a response of 1.
+        each = photon_catch(
+            eye, np.ones(len(eye.receptor_type)), self._light, integration_time_s=self._time_s
+        )
 
         def catches(distance_m: float) -> tuple[Floats, Floats]:
             left = 1.0 if air is None else np.exp(-air * distance_m)
             ground, disc = (
-                photon_catch(
-                    eye,
-                    (matrix @ radiance)[eye.receptor_type],
-                    self._light,
-                    integration_time_s=self._time_s,
-                )
+                (matrix @ radiance)[eye.receptor_type] * each
                 for radiance in left * self._radiance + (1 - left) * self._horizon
             )
             return ground, disc - ground

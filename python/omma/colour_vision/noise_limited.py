@@ -77,7 +77,7 @@ def noise_limited_distance(
 
     Args:
         first, second: (..., N), catches of the colours; above 0 with logarithms.
-        noise: (N,), e of each class, as `class_noise` gives it.
+        noise: (N,), e of each class, as `class_noise` gives it; of one at least at most 1.
         signal: "log": f = ln Q, Fechner's law, so that noise is a Weber fraction. "linear": f =
             Q / Q_adapting, for colours near the background (both in Vorobyev & Osorio 1998).
         photon_noise: catches are photons, in the time over which a decision adds up; their noise
@@ -95,9 +95,25 @@ def noise_limited_distance(
 
     Raises:
         omma.Error: catches that are negative or not finite, that are 0 where their logarithm is
-            asked for, other numbers of classes, photon noise of linear signals without
-            ``adapting``.
+            asked for, other numbers of classes, noise above 1 of all of them, photon noise of
+            linear signals without ``adapting``.
     """
+    expect_fractions(noise)
+    return distance_of_many(
+        first, second, noise, signal=signal, photon_noise=photon_noise, adapting=adapting
+    )
+
+
+def distance_of_many(
+    first: ArrayLike,
+    second: ArrayLike,
+    noise: ArrayLike,
+    *,
+    signal: Signal = "log",
+    photon_noise: bool = False,
+    adapting: ArrayLike | None = None,
+) -> Floats:
+    """`noise_limited_distance` by noise that may be above 1 in all classes that are looked at."""
     logarithmic = one_of(signal, ("log", "linear"), "signal") == "log"
     one, other = pair_of(first, second, ("first", "second"), above_zero=logarithmic)
     classes = one.shape[-1]
@@ -173,7 +189,7 @@ def noise_limited_coordinates(catches: ArrayLike, noise: ArrayLike) -> Floats:
 
     Args:
         catches: (..., N), above 0, of at least two classes.
-        noise: (N,), e of each class, as `class_noise` gives it.
+        noise: (N,), e of each class, as `class_noise` gives it; of one at least at most 1.
 
     Example:
         >>> noise = omma.colour_vision.class_noise(0.1, [1, 2])
@@ -182,8 +198,10 @@ def noise_limited_coordinates(catches: ArrayLike, noise: ArrayLike) -> Floats:
         [[0.0], [5.29]]
 
     Raises:
-        omma.Error: numbers that are not above 0, fewer than two classes or another number of them.
+        omma.Error: numbers that are not above 0, fewer than two classes or another number of them,
+            noise above 1 of all of them.
     """
+    expect_fractions(noise)
     seen = as_catches(catches, "catches", above_zero=True)
     classes = seen.shape[-1]
     if classes < 2:
@@ -216,6 +234,17 @@ def _weber(weber_fraction: float) -> float:
         if _MOST_WEBER < weber_fraction <= 100:
             meant = f"; {weber_fraction:g} per cent would be {weber_fraction / 100:g}"
         raise Error(f"{error}{meant}") from None
+
+
+def expect_fractions(noise: ArrayLike) -> None:
+    """Raise `omma.Error` where the noise of all classes is above 1, as in per cent."""
+    numbers = array_of(noise, "noise", (None,))
+    if len(numbers) and numbers.min() > _MOST_WEBER:
+        raise Error(
+            f"noise: expected that of one class at least to be at most {_MOST_WEBER:g}, found "
+            f"{numbers.min():g} or more; {numbers.min():g} per cent would be "
+            f"{numbers.min() / 100:g}"
+        )
 
 
 def _noise(value: ArrayLike, name: str, classes: int | None = None) -> Floats:

@@ -18,7 +18,7 @@ from omma.base.arrays import Floats
 from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.base.warn import warn_caller
-from omma.colour_vision.noise_limited import distance_of_one, noise_limited_distance
+from omma.colour_vision.noise_limited import distance_of_many, distance_of_one, expect_fractions
 from omma.colour_vision.views import Looking, Nearest, Seen, View
 from omma.receptors.sensitivity import ommatidium_of_receptor
 from omma.rendering.settings import Fixed
@@ -44,7 +44,8 @@ class Observer:
         receptors: names of the receptor types that count, such as ("green",); for "achromatic" the
             one that does. (): all of them, for "colour" those that these ommatidia have. Types of
             one name are one class, as a fly's R1 in all of its ommatidia.
-        dark_per_s: photons that each receptor counts in darkness.
+        dark_per_s: photons that each receptor counts in darkness, added to those of the target and
+            to those of the ground.
         noise: e of each class of receptors of the eye, in the order of their first types, as
             `class_noise` gives it, for all but "photons"; (): 0.1 of each. That of one class is at
             most 1.
@@ -95,11 +96,7 @@ class Observer:
         noise = array_of(self.noise, "noise", (None,))
         if not np.all((noise > 0) & (noise < 1e9)):
             raise Error("noise: expected finite numbers above 0")
-        if len(noise) and noise.min() > 1:
-            raise Error(
-                f"noise: expected that of one class at least to be at most 1, found {noise.min():g}"
-                f" or more; {noise.min():g} per cent would be {noise.min() / 100:g}"
-            )
+        expect_fractions(noise)
         object.__setattr__(self, "noise", tuple(noise.tolist()))
 
 
@@ -111,7 +108,8 @@ class Decision:
 
     def __init__(self, eye: Eye, observer: Observer) -> None:
         self._observer = observer
-        of_types = [one.name for one in eye.receptor_types]
+        types = eye.receptor_types  # a list made anew each time, of thousands for a fly
+        of_types = [one.name for one in types]
         names = list(dict.fromkeys(of_types))
         number = {name: k for k, name in enumerate(names)}
         self._class_of_type = np.array([number[name] for name in of_types], np.int64)
@@ -127,7 +125,7 @@ class Decision:
         self._noise = np.array(observer.noise or [0.1] * len(names))
         self._names = names
         self._nearest: dict[int, Nearest] = {}
-        used = [eye.receptor_types[k] for k in np.unique(eye.receptor_type).tolist()]
+        used = [types[k] for k in np.unique(eye.receptor_type).tolist()]
         counted = [one for one in used if not observer.receptors or one.name in observer.receptors]
         self.most_polarisation = max((one.polarisation_sensitivity for one in counted), default=1.0)
         if observer.by != "photons" and len(eye) < observer.ommatidia:
@@ -204,9 +202,7 @@ class Decision:
             # A target that gives no light at all has no logarithm.
             seen = np.maximum(ground + more, 1e-9 * ground)[..., used]
             if self._observer.by == "colour":
-                return noise_limited_distance(
-                    seen, ground[used], self._noise[used], photon_noise=True
-                )
+                return distance_of_many(seen, ground[used], self._noise[used], photon_noise=True)
             noise = float(self._noise[used][0])
             return distance_of_one(seen[..., 0], ground[used][0], noise, photon_noise=True)
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from omma._core import Error
-from omma.base.arguments import array_of
+from omma.base.arguments import array_of, as_named
 from omma.base.arrays import Floats
 from omma.base.figures import COLOURS, GREY, INK, plain
 
@@ -76,7 +76,8 @@ def locus_of(
             f"spectrum: expected wavelengths of {_LEAST_NM:g} to {_MOST_NM:g} nm, found {low:g} to "
             f"{high:g}"
         )
-    points = space(spectrum[1])
+    with as_named(excited="spectrum", catches="spectrum"):
+        points = space(spectrum[1])
     if points.ndim != 2 or len(points) != len(wavelength_nm):
         raise Error(
             f"spectrum: expected a row for each of {len(wavelength_nm)} wavelengths, found shape "

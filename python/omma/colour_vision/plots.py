@@ -76,8 +76,9 @@ def plot_hexagon(
         excited: (..., 3), excitations of ultraviolet, blue and green receptors, as `hexagon` takes
             them.
         labels: a name for each locus, in their order; those of one name share a mark.
-        spectrum: wavelengths (W,), nm, and excitations (W, 3) by monochromatic lights of them, for
-            the spectrum locus. It depends on how bright these are.
+        spectrum: wavelengths (W,), nm, and excitations (W, 3) by monochromatic lights of them, as
+            `excitations` makes them of catches, for the spectrum locus. It depends on how bright
+            these are.
 
     Example:
         >>> excited = [[0.2, 0.6, 0.7], [0.4, 0.5, 0.5]]

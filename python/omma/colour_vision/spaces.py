@@ -262,5 +262,8 @@ def fly_category(catches: ArrayLike) -> NDArray[np.str_]:
 def _excited(value: ArrayLike, name: str) -> Floats:
     excited = as_catches(value, name, 3)
     if not np.all(excited <= 1):
-        raise Error(f"{name}: expected excitations from 0 to 1, found {np.max(excited):g}")
+        raise Error(
+            f"{name}: expected excitations from 0 to 1, found {np.max(excited):g}; of catches, "
+            "divided by those of the background, `excitations` makes them"
+        )
     return excited

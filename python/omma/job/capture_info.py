@@ -31,7 +31,7 @@ def describe_capture(path: PathLike, unit: str | float | None, up: str | None) -
         ("cameras", cameras.path or "in memory"),
         ("number", f"{len(cameras):,}"),
         ("bounds", f"{place_words(low)} to {place_words(high)} m"),
-        ("extent", describe_extent(high - low)),
+        ("extent", describe_extent(high - low, up=None)),
         ("lowest", f"y = {heights[0]:.4g} m, median {heights[1]:.4g}, highest {heights[2]:.4g}"),
     ]
     if len(cameras) > 1:

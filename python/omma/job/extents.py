@@ -33,12 +33,13 @@ def describe_extent(
     size_m: NDArray[np.floating],
     *,
     may_be_mm_above: float = ODD_M,
-    may_be_z_up: bool = True,
+    up: str | None = "y",
     thing_m: float = 0.0,
 ) -> str:
     """Of a box (3,), m, along x, y and z: its size, what is so large, and whether it looks as if it
-    were in millimetres, longer than so much, or had +Z up. It says size alone where the box, of
-    middles of things, is no longer than such a thing."""
+    were in millimetres, longer than so much, or had another axis up than ``up``, by which it was
+    read; None: nothing is said of that. It says size alone where the box, of middles of things, is
+    no longer than such a thing."""
     x, y, z = (float(one) for one in size_m)
     longest = max(x, y, z)
     if longest <= thing_m:
@@ -48,12 +49,16 @@ def describe_extent(
         small = longest / 1000
         text += f"; if it is in millimetres, {small:.4g} m, as of {_word(small)} "
         text += "(--unit mm; --scene-unit mm of a render)"
-    if may_be_z_up and z * _FLAT < min(x, y):
-        text += "; it is flat along z, as if +Z were up (--up z; --scene-up z of a render)"
+    if up is not None and z * _FLAT < min(x, y):
+        other = "y" if up == "z" else "z"
+        text += f"; it is flat along z, as if +{other.upper()} were up in the file "
+        text += f"(--up {other}; --scene-up {other} of a render)"
     return text
 
 
-def describe_scene_extent(scene: Scene, size_m: NDArray[np.floating], unit_is_told: bool) -> str:
+def describe_scene_extent(
+    scene: Scene, size_m: NDArray[np.floating], unit_is_told: bool, up: str | None
+) -> str:
     """The same of a scene by the kind of its file: meshes of others than glTF do not say their
     unit, and in glTF +Y is up, the more so where a camera stands upright by it."""
     ending = Path(scene.path).suffix.lower()
@@ -64,7 +69,7 @@ def describe_scene_extent(scene: Scene, size_m: NDArray[np.floating], unit_is_to
     return describe_extent(
         size_m,
         may_be_mm_above=ODD_M if unit_is_told else above,
-        may_be_z_up=not (is_gltf and (thin or max(ups, default=0) > _UPRIGHT)),
+        up=None if is_gltf and (thin or max(ups, default=0) > _UPRIGHT) else up or "y",
         thing_m=max(map(_splat_m, scene.splats), default=0.0),
     )
 

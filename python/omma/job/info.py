@@ -94,11 +94,13 @@ def describe_file(
         return describe_points(name, unit, up, progress, voxel_m=voxel_m)
     if Path(os.fsdecode(path)).suffix.lower() in (*MESH_FILES, *SPLAT_FILES):
         return describe_scene(
-            read_scene(path, unit=unit, up=up, progress=progress), unit_is_told=unit is not None
+            read_scene(path, unit=unit, up=up, progress=progress),
+            unit_is_told=unit is not None,
+            up=up,
         )
     if is_scene_file(path):
         scene = read_scene(path, unit=unit, up=up, progress=progress)
-        lines = describe_scene(scene, unit_is_told=unit is not None)
+        lines = describe_scene(scene, unit_is_told=unit is not None, up=up)
         # A glTF file may hold a scene, eyes of the Open Compound Eye Standard, or both.
         heads = eye_file_heads(path)
         if len(heads) == 1:
@@ -135,7 +137,7 @@ def _eye_by_any_name(path: PathLike, unit: str | float) -> Eye:
     )
 
 
-def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
+def describe_scene(scene: Scene, *, unit_is_told: bool = False, up: str | None = None) -> Lines:
     """Counts, size, background, cameras, animations and warnings of a scene."""
     lines = [
         ("scene", scene.path or "in memory"),
@@ -154,7 +156,7 @@ def describe_scene(scene: Scene, *, unit_is_told: bool = False) -> Lines:
         of = ", of splats their middles" if scene.splat_count else ""
         lines.append(("bounds", f"{place_words(bounds[0])} to {place_words(bounds[1])} m{of}"))
         size_m = bounds[1] - bounds[0]
-        lines.append(("extent", describe_scene_extent(scene, size_m, unit_is_told) + of))
+        lines.append(("extent", describe_scene_extent(scene, size_m, unit_is_told, up) + of))
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
     lines.append(("background", background.type.replace("_", " ") + color))

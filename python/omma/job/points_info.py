@@ -6,7 +6,6 @@ from collections import Counter
 
 import numpy as np
 
-from omma._core import Error
 from omma.base.progress import Progress
 from omma.job.extents import LONG_POINTS_M, ODD_M, describe_extent
 from omma.job.places import place_words
@@ -83,7 +82,7 @@ def describe_points(
         if progress is not None:
             progress(min(sieve.read / (file.count or sieve.read), 1.0))
     if sieve.offset_m is None:
-        raise Error(f"{path}: expected points, found none of {sieve.read:,} that can be used")
+        raise sieve.none_found()
     thinned = ""
     if cells is not None:
         found.add(cells.columns())
@@ -92,11 +91,12 @@ def describe_points(
     corners = [place_words(one + sieve.offset_m) for one in ends]
     some = np.concatenate(found.first)
     whole = "" if len(some) == found.count else f" (of the first {len(some):,})"
-    said = file.unit or "not said by the file"
     bytes_, free = found.count * BYTES_PER_SURFEL, free_bytes()
-    suspect = unit is None and not file.unit
+    suspect = unit is None and file.units.across is None
     extent = describe_extent(
-        found.high - found.low, may_be_mm_above=LONG_POINTS_M if suspect else ODD_M
+        found.high - found.low,
+        may_be_mm_above=LONG_POINTS_M if suspect else ODD_M,
+        up=up or file.up,
     )
     lines = [
         ("points", f"{path}, {file.kind}"),
@@ -104,7 +104,7 @@ def describe_points(
         ("bounds", f"{corners[0]} to {corners[1]} m"),
         ("extent", extent),
         ("spacing", f"{spacing_of(some) * 1e3:.4g} mm to the nearest, median{whole}"),
-        ("unit", f"{said}, read as {in_unit}; up {up or file.up}"),
+        ("unit", f"{file.units}, read as {in_unit}; up {up or file.up}"),
     ]
     if found.labels:
         named = [
@@ -124,8 +124,9 @@ def describe_points(
     fits = "fits" if bytes_ <= free else f"{int(free / BYTES_PER_SURFEL):,} would fit"
     memory = f"{words_for_bytes(bytes_)} of {words_for_bytes(free)} free: {fits}"
     lines.append(("as surfels", memory))
-    left = {"not finite": sieve.not_finite, **file.left_out}
-    lines += [("left out", f"{count:,}: {reason}") for reason, count in left.items() if count]
+    lines += [("left out", f"{count:,}: {reason}") for reason, count in sieve.left_out.items()]
+    if advice := file.units.advice(sieve.world_from_file):
+        lines.append(("warning", advice))
     return lines
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,6 +73,8 @@ class Light:
     extinction_per_m: Floats | None = None
     cloud_shadow: CloudShadow | None = None
     recipe: Recipe | None = None
+    # What `turned` turned, and by how many degrees. No field: what `replace` changes has none.
+    _turned_from: ClassVar[tuple[Light, float] | None] = None
 
     def __post_init__(self) -> None:
         expect(self.bands, Bands, "bands", "omma.light.Bands.equal gives some")
@@ -80,7 +83,7 @@ class Light:
         if matrix is not None:
             matrix = strengths(matrix, "band_from_channel", (len(self.bands), None))
         if self.sky is not None:
-            object.__setattr__(self, "sky", _checked_sky(self.sky, len(self.bands), matrix))
+            object.__setattr__(self, "sky", sky_map.checked_sky(self.sky, len(self.bands), matrix))
         elif matrix is not None:
             raise Error("band_from_channel: goes with a sky, found none")
         discs = tuple(self.discs)
@@ -136,6 +139,8 @@ class Light:
     def __reduce__(self) -> tuple[Callable[..., Light], tuple[Any, ...]]:
         if self.recipe is not None:
             return _made, self.recipe
+        if self._turned_from is not None:
+            return Light.turned, self._turned_from
         own = {one.name: getattr(self, one.name) for one in fields(self)}
         return _of_fields, (own,)
 
@@ -162,8 +167,10 @@ class Light:
         found = np.zeros((*towards.shape[:-1], 3, len(bands)))
         if self.sky is not None:
             matrix = self.band_from_channel
-            sky = self.sky[..., bands] if matrix is None else self.sky @ matrix[bands].T
-            seen = sky_map.look_up(sky, towards)
+            if matrix is None:
+                seen = sky_map.look_up(self.sky[..., bands], towards)
+            else:
+                seen = sky_map.look_up(self.sky, towards) @ matrix[bands].T
             found[..., : seen.shape[-2], :] = seen
         self._add_discs(towards, found, bands)
         return found
@@ -199,6 +206,10 @@ class Light:
     def turned(self, azimuth_deg: float) -> Light:
         """The same light turned to the right, seen from above: a sun in the north goes east.
 
+        A sky is looked up between its nodes, which softens it a little, unless it goes on by whole
+        steps between nodes: by halves of a pixel of a panorama. Turned several times running it is
+        softened once.
+
         Raises:
             omma.Error: a light whose clouds cast shadows.
         """
@@ -210,12 +221,17 @@ class Light:
         turn = float(np.radians(azimuth_deg))
         if not abs(azimuth_deg) <= MOST_AZIMUTH_DEG:
             raise Error(f"azimuth_deg: expected -1e6 to 1e6, found {azimuth_deg}")
+        if self._turned_from is not None:
+            origin, before_deg = self._turned_from
+            return origin.turned(math.remainder(before_deg + azimuth_deg, 360))
         c, s = np.cos(turn), np.sin(turn)
         to_the_right = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
         discs = tuple(replace(one, direction=to_the_right @ one.direction) for one in self.discs)
         sky = None if self.sky is None else sky_map.turned(self.sky, turn)
         recipe = self._changed("turned", azimuth_deg=azimuth_deg)
-        return replace(self, sky=sky, discs=discs, recipe=recipe)
+        made = replace(self, sky=sky, discs=discs, recipe=recipe)
+        object.__setattr__(made, "_turned_from", (self, azimuth_deg))
+        return made
 
     @checked
     def scaled(self, factor: float) -> Light:
@@ -320,7 +336,8 @@ class Light:
         return 1.0 if shadow is None else float(shadow.transmittance((0, 0, 0), disc.direction))
 
     def _sky_in_bands(self) -> NDArray[np.float32]:
-        return self._in_bands(self.sky).astype(np.float32, copy=False)  # type: ignore[arg-type]
+        sky, matrix = cast(NDArray[np.float32], self.sky), self.band_from_channel
+        return sky if matrix is None else sky @ matrix.T.astype(np.float32)
 
     def _in_bands(self, channels: Floats) -> Floats:
         return channels if self.band_from_channel is None else channels @ self.band_from_channel.T
@@ -414,26 +431,3 @@ def check_not_lost(radiances: Sequence[NDArray[Any]], name: str) -> None:
     brightest = max((float(one.max(initial=0)) for one in radiances), default=0.0)
     if 0 < brightest < LEAST_RADIANCE:
         raise Error(f"{name}: expected radiance of at least 1e-30 somewhere, found {brightest:g}")
-
-
-def _checked_sky(sky: Any, bands: int, matrix: Floats | None) -> NDArray[np.float32]:
-    array = array_of(sky, "sky", (2, None, None, None, None), np.float32)
-    _, rows, columns, components, channels = array.shape
-    expected = bands if matrix is None else matrix.shape[1]
-    if rows < 2 or columns < 4 or components not in (1, 3) or channels != expected:
-        raise Error(
-            "sky: expected 2 halves, 2 or more rows, 4 or more columns, 1 or 3 components, "
-            f"{expected} channels, found {array.shape}"
-        )
-    if not np.all(np.isfinite(array)) or np.any(array[:, :, :, 0] < 0):
-        raise Error("sky: expected finite radiances of at least 0")
-    if components == 3:
-        intensity = array[:, :, :, 0]
-        polarised = np.hypot(array[:, :, :, 1], array[:, :, :, 2])
-        # Rounding of what is fully polarised.
-        if np.any(polarised > intensity * np.float32(1 + 1e-5)):
-            raise Error("sky: expected a polarised radiance, sqrt(Q² + U²), of at most I")
-    # Not the caller's own, which may change.
-    array = np.ascontiguousarray(array).copy() if array is sky else np.ascontiguousarray(array)
-    array.flags.writeable = False
-    return array

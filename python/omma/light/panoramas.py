@@ -40,7 +40,11 @@ def panorama(
 
     Red, green and blue stand for their `primary_spectra`: white, (1, 1, 1), is equal numbers of
     photons from 400 to 700 nm; in watts, that which has ``radiance_per_unit`` at 550 nm. Above 700
-    nm it is dark. Unpolarised; a sun is as sharp as the picture.
+    nm it is dark. Unpolarised.
+
+    Between the middles of pixels it is on straight lines, as `Background.image` of the same picture
+    is seen: a sun of one pixel has its radiance in the middle. Of pictures of more than 2,048 x
+    1,024 pixels the mean of neighbours is taken before, which blurs by half a pixel.
 
     Args:
         image: Radiance HDR, OpenEXR, PNG or JPEG, turned as its EXIF says, or an array (height,
@@ -86,6 +90,8 @@ def panorama_bands(
     radiance: ArrayLike, *, bands: Bands | None = None, unit: Unit = "photons"
 ) -> Light:
     """The light of an equirectangular picture in bands: ahead (-Z) in the middle, row 0 at the top.
+
+    Between the middles of pixels it is as of `panorama`.
 
     Args:
         radiance: (height, width, B), in ``unit``; or (height, width, 3, B) of I, Q, U, with the

@@ -99,8 +99,9 @@ def load_spectra(
             f"{wanted[column]!r} at {table.numbers[row, 0]:g} nm; columns= and range_nm= leave out "
             "what is not wanted"
         )
-    values = table.numbers[:, index] / _divisor(table, index, unit)
-    values = _without_noise(table, wanted, values, unit)
+    divisor = _divisor(table, index, unit)
+    least = -_NOISE * divisor if unit != "as_is" else None
+    values = _without_noise(table, wanted, table.numbers[:, index], least) / divisor
     return {name: Spectrum(table.numbers[:, 0], one) for name, one in zip(wanted, values.T)}
 
 
@@ -178,8 +179,8 @@ def _divisor(table: SpectrumTable, index: list[int], unit: str | None) -> float:
     divisor = 100.0 if unit == "percent" else 1.0
     if unit != "as_is" and largest / divisor > _LEAST_PERCENT:
         raise Error(
-            f"{table.path}: expected reflectances of at most {_LEAST_PERCENT:g}, found "
-            f"{largest / divisor:g} (of {unit}); columns= and range_nm= leave out what is not "
+            f"{table.path}: expected reflectances of at most {divisor * _LEAST_PERCENT:g}, found "
+            f"{largest:g} (of {unit}); columns= and range_nm= leave out what is not "
             'wanted, unit="as_is" takes other numbers, such as irradiances, as they stand'
         )
     if unit == "percent":
@@ -219,12 +220,12 @@ def _guessed_unit(path: str, largest: float) -> str:
 
 
 def _without_noise(
-    table: SpectrumTable, names: list[str], values: Floats, unit: str | None
+    table: SpectrumTable, names: list[str], values: Floats, least: float | None
 ) -> Floats:
-    """Values of at least 0; omma.Error where one is below what noise may be."""
-    lowest = np.full(len(names), -_NOISE)
-    if unit == "as_is":
-        lowest *= values.max(axis=0, initial=0.0)
+    """Values of at least 0, in the file's unit; omma.Error where one is below what noise may be:
+    ``least``, or a share of the largest of its column."""
+    share = -_NOISE * values.max(axis=0, initial=0.0)
+    lowest = share if least is None else np.full(len(names), least)
     wrong = np.argwhere(values < lowest)
     if len(wrong):
         row, column = wrong[0]

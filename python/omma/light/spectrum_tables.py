@@ -55,7 +55,7 @@ def read_spectrum_table(path: PathLike) -> SpectrumTable:
     if not lines:
         raise Error(f"{name}: expected a table of wavelengths and values, found no line of one")
     try:
-        delimiter = _delimiter(lines[-1][1])
+        delimiter = _delimiter_of([line for _, line in lines])
         rows = list(csv.reader([line for _, line in lines], delimiter=delimiter,
                                skipinitialspace=True))  # fmt: skip
     except csv.Error as error:
@@ -140,6 +140,14 @@ def _text(path: PathLike) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:  # instruments under Windows
         return data.decode("cp1252", "replace")
+
+
+def _delimiter_of(lines: list[str]) -> str:
+    """What is between the cells of most of the last lines of numbers: one of them may be cut."""
+    found = [(_delimiter(line), len(line.split())) for line in lines[:-4:-1] if _NUMBER.match(line)]
+    found = [one for one in found if one != (" ", 1)]
+    delimiters = [delimiter for delimiter, _ in found] or [_delimiter(lines[-1])]
+    return max(delimiters, key=delimiters.count)
 
 
 def _delimiter(line: str) -> str:

@@ -22,6 +22,12 @@ from omma.receptors.sensitivity import (
 )
 from omma.receptors.solid_angles import Field
 
+# The largest response of a world without a light: of dim pictures, and of those with suns.
+_RELATIVE = 1e-6, 100.0
+# Of a white surface in the light: darker than anything that is lit by it.
+_FAR_BELOW = 1e-8
+_SIDES = (*np.eye(3), *-np.eye(3))
+
 
 @checked
 def photon_catch(
@@ -44,7 +50,7 @@ def photon_catch(
 
     Args:
         responses: (..., R), what receptors answer: radiance weighted by their sensitivity, as
-            `receptor_matrix` makes of bands.
+            `receptor_matrix` makes of bands. All 1: photons for each unit of a response.
         light: what the world was lit by; it must be in photons.
         integration_time_s: over which a receptor adds up: a number, or one for each receptor (R,),
             as `omma.species.Species.integration_time_s`, a full width at half maximum; or
@@ -71,7 +77,8 @@ def photon_catch(
 
     Warns:
         UserWarning: receptors whose acceptance angle is 0 catch nothing; an integration time above
-            5 s.
+            5 s; responses so far below the light that they look relative, as of a world without a
+            light.
     """
     if light.unit != "photons":
         raise Error(f"light: expected one in photons, as catches are, found {light.unit}")
@@ -98,9 +105,27 @@ def photon_catch(
             f"responses: expected finite numbers from 0 on, found {answers[tuple(bad[0])]:g} at "
             f"[{where}]"
         )
+    _warn_of_relative(answers, light)
     per_type = np.array(of_each_sensitivity(eye.receptor_types, sensitivity_integral_nm))
     per_response = sensitivity * rhabdom_share(eye) * per_type[eye.receptor_type] * time_s
     return np.asarray(answers * per_response)
+
+
+def _warn_of_relative(responses: Floats, light: Light) -> None:
+    """Tell of responses that look like those of a world without a light, of pictures and colours
+    from 0 to 1. A moonless night is of some 1e10 photons, and the darkest surface in it of far more
+    than 100."""
+    most = float(responses.max(initial=0.0))
+    if not _RELATIVE[0] <= most <= _RELATIVE[1] or np.all(responses == 1):
+        return
+    white = max(float(np.max(sum(light.irradiance(side)))) for side in _SIDES) / np.pi
+    if most < _FAR_BELOW * white:
+        warn_caller(
+            f"responses: up to {most:.3g}, where a white surface in this light has {white:.3g}: "
+            "they look relative, and photons would be too few by as much; was this world lit by "
+            "`light`, omma.World(scene, light=light)?",
+            UserWarning,
+        )
 
 
 def _times(integration_time_s: ArrayLike, count: int) -> Floats:

@@ -15,7 +15,12 @@ from omma.base.arguments import array_of
 from omma.base.methods import method_of
 from omma.base.poses import Matrices, as_poses
 from omma.base.slips import warn_of_slip
-from omma.base.velocities import is_stretched, velocities_about, velocities_from_poses
+from omma.base.velocities import (
+    is_stretched,
+    times_about,
+    velocities_about,
+    velocities_from_poses,
+)
 from omma.base.warn import warn_caller
 from omma.photoreceptors import ImpulseResponse
 from omma.rendering.moves_told import MovesTold, Past
@@ -254,8 +259,9 @@ class Moves:
     def velocities(self, told: Collection[int]) -> dict[int, tuple[Any, Any]]:
         """{thing: (linear, angular)}, each (P, 3), of what moves as time goes by.
 
-        Those of ``transforms`` along their path, those of animations about each moment; none where
-        the caller has told them, or there are no times. Warns of what grows, is stretched or bent.
+        Those of ``transforms`` along their path, those of animations about each moment, at their
+        first and last key on the inner side; none where the caller has told them, or there are no
+        times. Warns of what grows, is stretched or bent.
         """
         found: dict[int, tuple[Any, Any]] = {}
         stretched: list[int] = []
@@ -278,16 +284,15 @@ class Moves:
             for k, thing in enumerate(self._world._engine.animated)
             if thing not in found and thing not in told
         ]
+        animations = self._animations.tolist()
         if animated:
-            two_before, before, after, two_after = (
-                np.stack([self._animated_at(time + side * _MOMENT_S) for time in self._times])
-                for side in (-2, -1, 1, 2)
-            )
+            ends = self._world._rig_parts.ends_s(animations)
+            times = times_about(self._times, _MOMENT_S, ends)
+            places = np.stack([[self._animated_at(time) for time in some] for some in times])
             for k, thing in animated:
-                places = two_before[:, k], before[:, k], after[:, k], two_after[:, k]
-                found[thing] = velocities_about(places, _MOMENT_S)
+                found[thing] = velocities_about(places[:, :, k], times)
                 # So short a time has little of it, and less of rounding, as keys are exact.
-                if is_stretched(np.concatenate([before[:, k], after[:, k]]), 1e-6):
+                if is_stretched(np.concatenate([places[1, :, k], places[2, :, k]]), 1e-6):
                     stretched.append(thing)
         if stretched:
             warn_caller(
@@ -297,7 +302,6 @@ class Moves:
                 UserWarning,
             )
         moments = self._times[np.isfinite(self._times)]
-        animations = self._animations.tolist()
         bent = self._world._rig_parts.bent(moments, _MOMENT_S, animations)
         bent = [thing for thing in bent if thing not in told]
         if bent:

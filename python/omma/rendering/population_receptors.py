@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from omma import _core
 from omma._core import Eye
 from omma.base.arrays import Floats, Ints, new_floats
-from omma.base.progress import Progress, share_of
+from omma.base.progress import Progress
 from omma.rendering.call import Responses
-from omma.rendering.receptor_frames import MOST_TYPES, Weighed, weights_of
+from omma.rendering.receptor_frames import Mixtures, Weighed, weights_of
 from omma.rendering.receptor_views import ReceptorViews
 from omma.rendering.without_polarisation import tell_without_polarisation
 
@@ -62,16 +62,12 @@ def receptors_of(
         responses[...] = np.einsum("prb,rb->pr", radiance, weights[kinds])
         return responses, None
     found: list[NDArray[np.float32]] = []
-    starts = range(0, len(weights), MOST_TYPES)
-    for done, start in enumerate(starts):
-        group = np.ascontiguousarray(weights[start : start + MOST_TYPES])
-        told = share_of(progress, done / len(starts), (done + 1) / len(starts))
-        those = np.flatnonzero((kinds >= start) & (kinds < start + len(group)))
-        at = views.view_of_receptor[those], kinds[those] - start
-        for k, one in enumerate(fill(told, group)):
-            if one is None:
+    for told, group, those, one in Mixtures(weights, kinds).groups(progress):
+        view = views.view_of_receptor[those]
+        for k, filled in enumerate(fill(told, group)):
+            if filled is None:
                 continue
             if len(found) == k:
-                found.append(new_floats((len(one), len(kinds))))
-            found[k][:, those] = one[:, at[0], at[1]]
+                found.append(new_floats((len(filled), len(kinds))))
+            found[k][:, those] = filled[:, view, one]
     return found[0], found[1] if errors else None

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, output_array
-from omma.base.arrays import Floats, new_floats
+from omma.base.arrays import Floats, Ints, new_floats
 from omma.base.card_arrays import OnCard
 from omma.base.progress import Progress, share_of
 from omma.receptors.catches import type_polarisation
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 # Bytes of radiance held at once while it becomes receptors' responses.
 _CHUNK_BYTES = 32 << 20
-# Types whose estimates are made in one render.
-MOST_TYPES = 64
+# Mixtures of bands whose estimates are made in one render.
+_MOST_MIXTURES = 64
 
 
 class Weighed(Protocol):
@@ -144,22 +144,51 @@ def frames_of_receptors(
             radiance = piece.render(piece.new_frames()).responses[:, views.view_of_receptor]
             responses[which] = np.einsum("prb,rb->pr", radiance, weights[eye.receptor_type])
         return Frames(responses)
-    # Errors are those of the receptors' own estimates, for some types at a time.
-    groups = [weights[k : k + MOST_TYPES] for k in range(0, len(weights), MOST_TYPES)]
-    for piece, which in _pieces(seen, min(len(weights), MOST_TYPES)):
-        for k, group in enumerate(groups):
-            told = share_of(piece.progress, k / len(groups), (k + 1) / len(groups))
+    # Errors are those of the receptors' own estimates, for some mixtures at a time.
+    mixtures = Mixtures(weights, eye.receptor_type)
+    for piece, which in _pieces(seen, mixtures.most_at_once):
+        for told, group, those, one in mixtures.groups(piece.progress):
             frames = replace(piece, progress=told).render(
                 piece.new_frames(len(group), standard_error=standard_error),
-                output_from_band=np.ascontiguousarray(group),
+                output_from_band=group,
             )
-            type_in_group = eye.receptor_type - k * MOST_TYPES
-            those = np.flatnonzero((type_in_group >= 0) & (type_in_group < len(group)))
-            at = views.view_of_receptor[those], type_in_group[those]
-            responses[which, those] = frames.responses[:, at[0], at[1]]
+            view = views.view_of_receptor[those]
+            responses[which, those] = frames.responses[:, view, one]
             if errors is not None and frames.standard_error is not None:
-                errors[which, those] = frames.standard_error[:, at[0], at[1]]
+                errors[which, those] = frames.standard_error[:, view, one]
     return Frames(responses, errors)
+
+
+class Mixtures:
+    """What an eye's receptors make of the bands: mixtures of which no two are alike. An eye may
+    have thousands of types, as a fly's that each look their own way, of few sensitivities.
+
+    Args:
+        weights: (T, components x bands), of each type; those that no receptor has count too, so
+            that the eyes of a population are asked for what each is alone.
+        kinds: (R,), the type of each receptor.
+    """
+
+    def __init__(self, weights: Floats, kinds: Ints) -> None:
+        _, first, of_type = np.unique(weights, axis=0, return_index=True, return_inverse=True)
+        # In the order of the types.
+        order = np.argsort(first)
+        of_receptor = np.argsort(order)[of_type.reshape(-1)][kinds]
+        self.most_at_once = min(len(first), _MOST_MIXTURES)
+        self._groups = []
+        for start in range(0, len(first), _MOST_MIXTURES):
+            group = np.ascontiguousarray(weights[first[order[start : start + _MOST_MIXTURES]]])
+            those = np.flatnonzero((of_receptor >= start) & (of_receptor < start + len(group)))
+            if len(those):
+                self._groups.append((group, those, of_receptor[those] - start))
+
+    def groups(
+        self, progress: Progress | None
+    ) -> Iterator[tuple[Progress | None, Floats, Ints, Ints]]:
+        """Some of them at a time, where there are receptors of them: their share of the progress,
+        their weights, which receptors, and which of them each of those has."""
+        for k, group in enumerate(self._groups):
+            yield share_of(progress, k / len(self._groups), (k + 1) / len(self._groups)), *group
 
 
 def _pieces(call: Call, outputs: int) -> Iterator[tuple[Call, slice]]:

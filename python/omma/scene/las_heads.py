@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 from omma._core import Error
 from omma.base.beginnings import beginning_of
 from omma.base.files import reading
+
+# Of a header: three scales and three offsets, which make places of whole numbers (ASPRS LAS 1.4
+# R15, table 3). Scales beyond the limits, as 0 is, leave nothing of places along their axis.
+_PLACES_AT = 131
+_LEAST_SCALE, _MOST = 1e-18, 1e18
 
 
 @contextmanager
@@ -26,8 +31,9 @@ def reading_las(path: str) -> Iterator[None]:
 
 
 def check_las_head(path: str) -> int:
-    """That a file has the points of its header, and no more records of variable length than it can
-    have, which laspy would wait for. How many more points lie behind those that the header counts.
+    """That a file has the points of its header, scales and offsets that say where they are, and no
+    more records of variable length than it can have, which laspy would wait for. How many more
+    points lie behind those that the header counts.
 
     The numbers of these records are at bytes 100 and, from LAS 1.4 on, 243 (ASPRS LAS 1.4 R15,
     table 3).
@@ -40,6 +46,7 @@ def check_las_head(path: str) -> int:
         raise Error(f"{path}: expected a file that begins with LASF, found {beginning_of(head)}")
     if len(head) < 227:
         raise Error(f"{path}: expected a header of 227 bytes, found {len(head)}")
+    _check_places(path, head)
     extended = number[1] if head[25] >= 4 else 0
     if 54 * number[0] + 60 * extended > size:
         raise Error(f"{path}: expected as many records as its header says, found {size:,} bytes")
@@ -47,6 +54,17 @@ def check_las_head(path: str) -> int:
         _check_chunk_table(path, int.from_bytes(head[96:100], "little"), size)
         return 0
     return _not_counted(path, head, size)
+
+
+def _check_places(path: str, head: bytes) -> None:
+    """That whole numbers become places: by scales and offsets that can be."""
+    numbers = struct.unpack_from("<6d", head, _PLACES_AT)
+    for axis, scale, offset in zip("xyz", numbers[:3], numbers[3:]):
+        if not _LEAST_SCALE <= abs(scale) <= _MOST:
+            expected = f"{_LEAST_SCALE:g} to {_MOST:g}"
+            raise Error(f"{path}: expected a scale of {axis} of {expected}, found {scale:g}")
+        if not abs(offset) <= _MOST:
+            raise Error(f"{path}: expected an offset of {axis} up to {_MOST:g}, found {offset:g}")
 
 
 def _not_counted(path: str, head: bytes, size: int) -> int:
@@ -78,25 +96,3 @@ def _check_chunk_table(path: str, begin: int, size: int) -> None:
         table = file.read(8)
     if len(table) < 8 or int.from_bytes(table[4:], "little") > size:
         raise Error(f"{path}: expected a table of its chunks, found it cut off or damaged")
-
-
-def las_unit(header: Any) -> str:
-    """The unit of a LAS file's coordinate system: of its WKT text or its GeoTIFF keys (9001 to
-    9003, and 2, a geographic model)."""
-    for record in header.vlrs:
-        wkt = getattr(record, "string", "") or ""
-        if wkt.startswith("GEOGCS"):
-            return "degrees"
-        if "COORDSYS" in wkt or "PROJCS" in wkt or "PROJCRS" in wkt:
-            lower = wkt.lower()
-            return (
-                "US survey feet"
-                if "us survey foot" in lower
-                else ("feet" if "foot" in lower else "metres")
-            )
-        for key in getattr(record, "geo_keys", ()):
-            known = {(1024, 2): "degrees", (3076, 9001): "metres", (3076, 9002): "feet",
-                     (3076, 9003): "US survey feet"}  # fmt: skip
-            if (key.id, key.value_offset) in known:
-                return known[key.id, key.value_offset]
-    return ""

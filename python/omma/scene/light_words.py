@@ -46,7 +46,13 @@ def parse_light(text: str, bands: Bands | None = None) -> dict[str, Any]:
     """
     words = text.split()
     such = " and its arguments, such as 'clear_sky sun_elevation_deg=30'"
-    sky = one_of(words[0] if words else "", SKIES, "light", such)
+    first = words[0] if words else ""
+    if first not in SKIES and callable(getattr(skies, first, None)):
+        raise Error(
+            f"light: {first} is for Python alone, omma.light.{first}; expected one of "
+            f"{', '.join(SKIES)}{such}"
+        )
+    sky = one_of(first, SKIES, "light", such)
     make = getattr(skies, sky)
     of_sky = [name for name in inspect.signature(make).parameters if name != _BANDS]
     names = [*of_sky, _BANDS, *_AIR, *OF_WORLD]

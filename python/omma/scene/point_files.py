@@ -20,7 +20,8 @@ from omma.base.number_lines import text_tables
 from omma.base.optional import needs
 from omma.base.ply_header import LONGEST_HEADER, PlyElement, expect_end, read_header
 from omma.scene.e57_heads import check_e57_head
-from omma.scene.las_heads import check_las_head, las_unit, reading_las
+from omma.scene.las_heads import check_las_head, reading_las
+from omma.scene.las_units import las_units
 from omma.scene.point_columns import (
     BY_NUMBER,
     has_decimal_commas,
@@ -30,6 +31,7 @@ from omma.scene.point_columns import (
     unnamed_columns,
     words_of,
 )
+from omma.scene.point_units import METRES, Units
 
 POINT_FILES = (".las", ".laz", ".e57", ".xyz", ".pts", ".asc")
 TEXT_FILES = (".xyz", ".pts", ".asc", ".txt", ".csv")
@@ -83,7 +85,7 @@ class PointFile:
     whites: tuple[float, ...] = (1.0,)
     bounds: Floats | None = None  # (2, 3), in the file's unit
     up: str = "z"
-    unit: str = ""  # what the file says of it
+    units: Units = field(default_factory=Units)  # that the file says
     scanners: list[Floats] = field(default_factory=list)  # (3,) each, in the file's unit
     left_out: dict[str, int] = field(default_factory=dict)  # by reason
     doubt: str = ""  # what may have been meant otherwise, in words
@@ -275,7 +277,7 @@ def _open_las(path: str) -> PointFile:
         dimensions = set(header.point_format.dimension_names)
     made = PointFile(path, "LAS", int(header.point_count), lambda: iter(()), (255.0, 65535.0))
     made.bounds = np.array([header.mins, header.maxs], np.float64)
-    made.unit = las_unit(header)
+    made.units = las_units(header)
 
     def pieces() -> Iterator[Piece]:
         made.left_out.clear()
@@ -320,7 +322,7 @@ def _open_e57(path: str) -> PointFile:
         scanners = [header.translation if header.has_pose() else None for header in headers]
         white = max((_e57_white(header) for header in headers), default=1.0)
 
-    made = PointFile(path, "E57", sum(counts), lambda: iter(()), (white,), unit="metres")
+    made = PointFile(path, "E57", sum(counts), lambda: iter(()), (white,))
 
     def pieces() -> Iterator[Piece]:
         made.left_out.clear()
@@ -329,6 +331,7 @@ def _open_e57(path: str) -> PointFile:
                 yield from _e57_scan(pye57, file, index, made.left_out)
 
     made.pieces = pieces
+    made.units = Units(METRES, METRES)
     made.scanners = [np.asarray(one, np.float64) for one in scanners if one is not None]
     return made
 

@@ -78,6 +78,7 @@ class PointCloud:
                 exact, offset = exact - middle, offset + middle
         count = len(exact)
         _check_size(exact, "positions_m")
+        _check_size(offset[None], "offset_m")
         made: dict[str, Any] = {
             "positions_m": exact.astype(np.float32, copy=False),
             "offset_m": offset,
@@ -171,7 +172,6 @@ class Sieve:
     ) -> None:
         self.file = file
         self.world_from_file = world_from_file(unit, file.up if up is None else up)
-        self.is_in_metres = unit == "m" or unit == 1.0
         self.every = whole(every, "every", 1, 1 << 40)
         self.voxel_m = None if voxel_m is None else positive(voxel_m, "voxel_m")
         self.box = None if bounds is None else array_of(bounds, "bounds", (2, 3))
@@ -195,11 +195,12 @@ class Sieve:
         }
         taken = np.isfinite(positions).all(axis=1)
         for one in rows.values():
-            taken &= np.isfinite(one.reshape(len(one), -1)).all(axis=1)
+            taken &= np.isfinite(one).all(axis=tuple(range(1, one.ndim)))
         self.not_finite += int((~taken).sum())
         if self.box is not None:
             taken &= ((positions >= self.box[0]) & (positions <= self.box[1])).all(axis=1)
         positions = positions[taken]
+        _check_size(positions, self.file.path)
         rows = {name: one[taken] for name, one in rows.items()}
         if piece.labels is not None:
             rows["labels"] = piece.labels[start :: self.every][taken]
@@ -215,8 +216,22 @@ class Sieve:
             turn = world[:3, :3] / np.cbrt(np.linalg.det(world[:3, :3]))
             rows["normals"] = rows["normals"] @ turn.T.astype(np.float32)
         self.kept += len(positions)
-        _check_size(positions, self.file.path)
         return {"positions": positions.astype(np.float32), **rows}
+
+    @property
+    def left_out(self) -> dict[str, int]:
+        """How many points are left out whatever is asked for, by reason."""
+        counts = {"not finite": self.not_finite, **self.file.left_out}
+        return {reason: count for reason, count in counts.items() if count}
+
+    def none_found(self) -> Error:
+        """What there is to raise where no point has passed."""
+        unread = sum(self.file.left_out.values())
+        why = ", ".join(f"{count:,} {reason}" for reason, count in self.left_out.items())
+        return Error(
+            f"{self.file.path}: expected points, found none of {self.read + unread:,} that can be "
+            f"used{': ' if why else ''}{why}"
+        )
 
 
 def _check_size(positions: NDArray[np.floating[Any]], name: str) -> None:
@@ -238,22 +253,16 @@ def read_points(sieve: Sieve, progress: Progress | None = None) -> tuple[PointCl
         one.flags.writeable = False
     offset = sieve.offset_m
     if offset is None:
-        raise Error(f"{file.path}: expected points, found none of {sieve.read:,} that can be used")
-    told = [
-        f"{count:,} points are left out: {reason}"
-        for reason, count in {"not finite": sieve.not_finite, **file.left_out}.items()
-        if count
-    ]
+        raise sieve.none_found()
+    told = [f"{count:,} points are left out: {reason}" for reason, count in sieve.left_out.items()]
     if file.doubt:
         told.append(file.doubt)
     colors = columns.get("colors")
     if colors is not None and not colors.any():
         told.append("all its colours are black, which is taken as having none")
         del columns["colors"]
-    if file.unit not in ("", "metres") and sieve.is_in_metres:
-        metres = {"feet": "0.3048", "US survey feet": "0.3048006096"}.get(file.unit)
-        hint = f"give unit={metres}" if metres else "project it to metres first"
-        told.append(f"its coordinate system is in {file.unit}, it is read as metres: {hint}")
+    if advice := file.units.advice(sieve.world_from_file):
+        told.append(advice)
     world = sieve.world_from_file[:3, :3]
     cloud = PointCloud(
         columns.pop("positions"),

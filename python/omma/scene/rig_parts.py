@@ -44,6 +44,13 @@ class RigParts:
         moved = {one[0] for one in self._chosen(animations) if one[1] != _WEIGHTS}
         return node in self._with_children(moved)
 
+    def ends_s(self, animations: Sequence[int]) -> tuple[float, float]:
+        """When the first and the last key of these animations are, of all where there are none."""
+        keys = [keys for _, _, _, keys, _ in self._chosen(animations) if len(keys)]
+        if not keys:
+            return -np.inf, np.inf
+        return min(float(one[0]) for one in keys), max(float(one[-1]) for one in keys)
+
     def bent(
         self, times_s: NDArray[np.float64], moment_s: float, animations: Sequence[int]
     ) -> list[int]:

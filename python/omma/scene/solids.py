@@ -150,9 +150,12 @@ def plane(
 ) -> Scene:
     """A rectangle, seen from both sides; ground, unless it faces elsewhere.
 
+    A `Material` of your own in place of its paint is seen from behind, and casts a shadow there,
+    with ``double_sided=True`` only.
+
     Args:
         size_m: (2,), to the right and upwards as seen from in front. Up is +Y, or -Z where it faces
-            up or down.
+            straight up or down.
         paint: as of `box`; a picture is upright as seen from in front.
         center_m: (3,), where its middle is.
         facing: (3,), where its front looks.
@@ -178,6 +181,8 @@ def disc(
     name: str = "disc",
 ) -> Scene:
     """A flat disc, seen from both sides: a target. It faces +Z, from where heads look along -Z.
+
+    For a `Material` of your own in place of its paint, see `plane`.
 
     Args:
         radius_m: of its corners: it is a polygon.

@@ -66,8 +66,8 @@ def frames_of(
     count = len(positions)
     if count <= NEIGHBOURS:
         raise Error(
-            f"points: expected more than {NEIGHBOURS} for normals and radii, found {count:,}; give "
-            "normals and radius_m"
+            f"expected more than {NEIGHBOURS} points at different places, for normals and radii, "
+            f"found {count:,}; omma.scene.surfels takes these too, as normals and radius_m"
         )
     tree = cKDTree(positions)
     made = Frames(np.empty((count, 3), np.float32), np.empty(count, np.float32), 0, 0)

@@ -23,7 +23,7 @@ from omma.scene.memory import free_bytes, words_for_bytes
 from omma.scene.point_files import open_points
 from omma.scene.points import PointCloud, Sieve, read_points
 from omma.scene.surfel_cells import fitting_voxel_m, in_cells
-from omma.scene.surfel_frames import Frames, distinct, frames_of, tangents
+from omma.scene.surfel_frames import NEIGHBOURS, Frames, distinct, frames_of, tangents
 
 # How much larger a disc is than what would just cover a flat surface. Normals found from
 # neighbours are off by some degrees where a surface bends or measurements scatter.
@@ -150,6 +150,11 @@ def load_surfels(
     try:
         sieve = Sieve(open_points(path), unit, up, voxel_m=voxel_m)
         cloud, told = read_points(sieve, share_of(progress, 0, _READING))
+        if voxel_m is not None and len(cloud) <= NEIGHBOURS < sieve.kept:
+            raise Error(
+                f"voxel_m: expected cells small enough to leave more than {NEIGHBOURS} of "
+                f"{sieve.kept:,} points, found {voxel_m:g}, which leaves {len(cloud)}"
+            )
         rest = share_of(progress, _READING, 1)
         scene, more = make_surfels(cloud, name=os.path.basename(path), progress=rest)
     except MemoryError:

@@ -94,9 +94,14 @@ class LoomingDisc(Discs):
         towards = np.broadcast_to(self._direction(), (len(distance), 3))
         return facing_origin(towards, distance)[:, None]
 
+    @property
+    def _ends_s(self) -> tuple[float, float]:
+        left_s = self.l_over_v_s / np.tan(np.radians(self.largest_deg) / 2)
+        return -np.inf, float(self.collision_s - left_s)
+
     def _bends_s(self, first_s: float, last_s: float) -> Floats:
         # It comes straight, and stops.
-        stops = self.collision_s - self.l_over_v_s / np.tan(np.radians(self.largest_deg) / 2)
+        _, stops = self._ends_s
         return np.array([stops] if first_s < stops < last_s else [])
 
     @property
@@ -203,6 +208,10 @@ class Target(Discs):
     def _transforms(self, times_s: Floats) -> Floats:
         towards = self.directions(times_s)
         return facing_origin(towards, np.full(len(towards), self.distance_m))[:, None]
+
+    @property
+    def _ends_s(self) -> tuple[float, float]:
+        return float(self.path_s[0]), float(self.path_s[-1])
 
     def _bends_s(self, first_s: float, last_s: float) -> Floats:
         # The points of its path, and arcs of great circles as chords.

@@ -14,11 +14,11 @@ from omma.base.arguments import array_of, checked, whole, within
 from omma.base.arrays import Floats
 from omma.base.values import value_class
 from omma.scene.paint import Surface, painted_scene
-from omma.scene.solids import tube, upright
+from omma.scene.solids import tube
 from omma.stimuli.checks import angular_speed, check_fields, chosen_from, length_m
 from omma.stimuli.gaussian import field_directions
 from omma.stimuli.jumps import Motion, half_turn_s, turning, whole_counts
-from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, sphere_patch
+from omma.stimuli.shapes import drifted, grey, longitude_latitude_deg, right_and_up, sphere_patch
 from omma.stimuli.stimulus import Stimulus
 from omma.stimuli.turning import Turning
 
@@ -188,17 +188,18 @@ class SphereGrating(Turning):
 @value_class
 @dataclass(frozen=True, eq=False, repr=False)
 class PlaneGrating(Stimulus):
-    """A grating on a flat rectangle: a screen ahead, a wall beside, the ground below.
+    """A grating on a flat rectangle: a screen ahead, a wall beside, the ground or a ceiling.
 
     Args:
         wavelength_m: λ, of a period.
         temporal_frequency_hz: f, periods a second; the grating goes by f λ metres a second.
         waveform, contrast, mean, phase_deg: as of `DrumGrating`, the phase at the plane's middle.
-        direction_deg: where it drifts as seen in front of it: 0 is to the right, 90 upwards, or
-            ahead where the plane lies above or below.
+        direction_deg: where it drifts as seen in front of it: 0 is to the right, 90 upwards. Where
+            its middle lies more than 45° above or below the horizon, of a ceiling and the ground, 0
+            is to the right of who looks ahead, +x, and 90 ahead, -z along the plane.
         center_m: (3,), its middle; the plane looks at the origin from there.
-        size_m: (2,), to the right and upwards as seen in front. It moves by up to a period, with
-            its edges, and then jumps back by one, which is no motion for `play` and `velocities`.
+        size_m: (2,), along directions 0 and 90. It moves by up to a period, with its edges, and
+            then jumps back by one, which is no motion for `play` and `velocities`.
         background: radiance beside it.
         name: of the thing that moves.
 
@@ -240,13 +241,12 @@ class PlaneGrating(Stimulus):
         return whole_counts(0.0, self.temporal_frequency_hz, first_s, last_s)
 
     def _radiance(self, directions: Floats, time_s: float) -> Floats:
-        vectors = directions
         along, right, up = self._frame()
         center = np.array(self.center_m)
         distance = np.linalg.norm(center)
-        ahead = vectors @ (center / distance)
+        ahead = directions @ (center / distance)
         with np.errstate(divide="ignore", invalid="ignore"):
-            points = np.where(ahead > 0, distance / ahead, np.nan)[..., None] * vectors - center
+            points = np.where(ahead > 0, distance / ahead, np.nan)[..., None] * directions - center
         shift = self._shift_m(time_s)
         within_x = np.abs((points - shift * along) @ right) <= self.size_m[0] / 2
         within_y = np.abs((points - shift * along) @ up) <= self.size_m[1] / 2
@@ -254,8 +254,8 @@ class PlaneGrating(Stimulus):
         return np.where(within_x & within_y, wave(self, np.nan_to_num(phase)), self.background)
 
     def _frame(self) -> tuple[Floats, Floats, Floats]:
-        """Directions: where it drifts; right and up as seen in front."""
-        right, up = upright(-np.array(self.center_m) / np.linalg.norm(self.center_m))
+        """Directions: where it drifts; where drifts of 0 and 90 degrees go."""
+        right, up = right_and_up(np.array(self.center_m))
         angle = np.radians(self.direction_deg)
         along = np.cos(angle) * right + np.sin(angle) * up
         return np.asarray(along), right, up
@@ -269,7 +269,9 @@ class PlaneGrating(Stimulus):
         signs = np.array([[-1, 1], [-1, -1], [1, -1], [1, 1]])
         half = np.array(self.size_m) / 2
         corners = (signs * half) @ np.stack([right, up])
-        surface = corners, np.array([[0, 1, 2], [0, 2, 3]]), np.zeros((4, 2))
+        # Counterclockwise as seen in front, which is from the origin.
+        order = 1 if np.cross(right, up) @ self.center_m < 0 else -1
+        surface = corners, np.array([[0, 1, 2], [0, 2, 3]])[:, ::order], np.zeros((4, 2))
         return _striped(surface, corners @ along / self.wavelength_m, self)
 
 

@@ -19,7 +19,7 @@ from omma._core import Error
 from omma.base.arrays import Floats
 from omma.base.poses import Matrices
 from omma.base.progress import Progress, share_of
-from omma.base.velocities import poses_between, velocities_between
+from omma.base.velocities import poses_between, times_about, velocities_between
 from omma.stimuli.shapes import roll
 
 # Linear velocities, m/s, and angular ones, rad/s, of K things: (T, K, 3) each.
@@ -45,12 +45,15 @@ def turning(speeds_deg_s: Floats, direction_deg: float) -> Motion:
     return np.zeros_like(angular), angular
 
 
-def motion_of(transforms: Callable[[Floats], Floats], times_s: Floats) -> Motion:
-    """Of things without jumps: their transforms' (T, K, 4, 4) from a moment before to one after."""
-    before, after = (transforms(times_s + side * MOMENT_S) for side in (-1, 1))
-    linear, angular = velocities_between(
-        before.reshape(-1, 4, 4), after.reshape(-1, 4, 4), 2 * MOMENT_S
-    )
+def motion_of(
+    transforms: Callable[[Floats], Floats], times_s: Floats, ends_s: tuple[float, float]
+) -> Motion:
+    """Of things without jumps that move between two ends: their transforms' (T, K, 4, 4) from a
+    moment before to one after, at an end on the inner side."""
+    _, earlier, later, _ = times_about(times_s, MOMENT_S, ends_s)
+    before, after = transforms(earlier), transforms(later)
+    steps = np.repeat(later - earlier, before.shape[1])
+    linear, angular = velocities_between(before.reshape(-1, 4, 4), after.reshape(-1, 4, 4), steps)
     shape = (*before.shape[:2], 3)
     return linear.reshape(shape), angular.reshape(shape)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from omma.base.arrays import Floats
 from omma.base.directions import normalized
 from omma.scene.paint import Surface
+from omma.scene.solids import upright
 
 # Radius of what lies on a sphere, m: so large that ommatidia's distances from the middle of the
 # head, some millimetres, shift nothing by more than a tenth of a degree.
@@ -121,3 +122,18 @@ def polygon(radius_m: float, corners: int) -> tuple[Floats, NDArray[np.int64]]:
     here = 1 + np.arange(corners)
     triangles = np.stack([np.zeros(corners, int), here, 1 + here % corners], -1)
     return radius_m * np.concatenate([np.zeros((1, 3)), rim]), triangles
+
+
+def right_and_up(center_m: Floats) -> tuple[Floats, Floats]:
+    """Directions along a plane that looks at the origin from its middle (3,): to the right and
+    upwards as seen in front.
+
+    Of one whose middle lies more than 45° above or below the horizon as a head has them that looks
+    ahead: +x to the right and ahead, -z along the plane, alike for a ceiling and the ground.
+    """
+    x, y, z = center_m
+    facing = -center_m / np.linalg.norm(center_m)
+    if abs(y) <= np.hypot(x, z):
+        return upright(facing)
+    ahead = normalized(np.array([0.0, 0.0, -1.0]) + facing[2] * facing)
+    return np.cross(ahead, -np.sign(y) * facing), ahead

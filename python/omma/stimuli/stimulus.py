@@ -118,7 +118,12 @@ class Stimulus:
 
     def _velocities(self, times_s: Floats) -> Motion:
         """Of each thing, (T, K, 3): where nothing jumps those of its transforms."""
-        return motion_of(self._transforms, times_s)
+        return motion_of(self._transforms, times_s, self._ends_s)
+
+    @property
+    def _ends_s(self) -> tuple[float, float]:
+        """When what moves begins to and when it stops, s."""
+        return -np.inf, np.inf
 
     def _jumps_s(self, first_s: float, last_s: float) -> Floats:
         """When anything jumps after the first and not after the last time, growing, s."""
