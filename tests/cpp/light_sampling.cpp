@@ -3,6 +3,7 @@
 
 #include "backend/sky_data.h"
 #include "light_maps.h"
+#include "physics/sampling/cumulative.h"
 #include "test_scenes.h"
 
 namespace omma {

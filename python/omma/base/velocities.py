@@ -112,7 +112,10 @@ def velocities_about(
     steps = np.diff(times_s, axis=0)
     parts = [velocities_between(places[k], places[k + 1], steps[k]) for k in range(3)]
     sides = np.sum(steps[::2] > 0, axis=0)[:, None]
-    linear, angular = (_without_jumps(*three, sides) for three in zip(*parts, strict=True))
+    linear, angular = (
+        _without_jumps(before, across, after, sides)
+        for before, across, after in zip(*parts, strict=True)
+    )
     return linear, angular
 
 

@@ -121,7 +121,7 @@ def turned(sky: Map, azimuth_rad: float) -> Map:
     sine = np.sin(sky_nodes(rows, columns)[0])[:, :, None]
     found = (1 - along) * _carried(np.roll(sky, -left, axis=2), step * along * sine)
     found += along * _carried(np.roll(sky, -left - 1, axis=2), step * (along - 1) * sine)
-    return found
+    return np.asarray(found, np.float32)
 
 
 def added(one: Map, other: Map) -> Map:
@@ -214,7 +214,7 @@ def _carried(stokes: NDArray[Any], angle: Floats) -> NDArray[Any]:
     if stokes.shape[-2] != 3:
         return stokes
     turn = np.exp(2j * angle)[..., None]
-    found = stokes.copy()
+    found: NDArray[Any] = stokes.copy()
     polarised = (stokes[..., 1, :] + 1j * stokes[..., 2, :]) * turn
     found[..., 1, :], found[..., 2, :] = polarised.real, polarised.imag
     return found

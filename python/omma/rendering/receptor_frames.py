@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye
 from omma.base.arguments import array_of, checked, output_array
@@ -169,7 +169,7 @@ class Mixtures:
         kinds: (R,), the type of each receptor.
     """
 
-    def __init__(self, weights: Floats, kinds: Ints) -> None:
+    def __init__(self, weights: Floats, kinds: NDArray[np.integer]) -> None:
         _, first, of_type = np.unique(weights, axis=0, return_index=True, return_inverse=True)
         # In the order of the types.
         order = np.argsort(first)

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "physics/light/emissive.h"
+#include "physics/sampling/cumulative.h"
 
 namespace omma {
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "physics/lanes/vector3.h"
+#include "physics/sampling/cumulative.h"
 #include "physics/sampling/random_direction.h"
 #include "physics/views/light_view.h"
 

@@ -2,11 +2,11 @@
 // shadow ray to it or a look at the sun's map, and what comes to the eye of it. Of lobes j with
 // sampling probabilities q_j the estimate is
 //
-//   Σ_j w_j f_j(ω) cos θ L(ω) V(ω) / p(ω),    w_j = p / (p + q_j p_j),
+//   Σ_j w_j f_j(ω) cos θ L(ω) V(ω) / p(ω),    w_j = w(p, q_j p_j),
 //
-// p the density of the light sample, p_j that of lobe j: the balance heuristic of each lobe by
-// itself (Veach 1997, 9.2.2), as the path may find the same light by that lobe. Lamps have no size,
-// no path meets them: there w = 1.
+// p the density of the light sample, p_j that of lobe j, w a heuristic (path_state.h) of each lobe
+// by itself, as the path may find the same light by that lobe. Lamps have no size, no path meets
+// them: there w = 1.
 #pragma once
 
 #include "physics/light/near_light.h"
@@ -256,7 +256,8 @@ OMMA_HD_CALLED void add_light_samples(const Flight<L, Search>& flight, const Lig
   LightSamples<L> lights;
   Scattered<L> scattered;
   sample_lights(flight, light, geometry, points, scattering, lights);
-  scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, scattered);
+  scatter_light_samples<L>(points, lights.direction, lights.density, lights.is_delta, lights.near,
+                           scattered);
   add_direct_light(flight, geometry, lights, points, scattered, scattering);
 }
 

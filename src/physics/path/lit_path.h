@@ -1,8 +1,8 @@
 // The lit path: a path tracer from the eye backwards, the lanes of a packet side by side. At each
 // surface one light is sampled directly (next-event estimation), and the path goes on in one
-// direction of one of the surface's lobes; what both could have found is weighed by the balance
-// heuristic (Veach 1997, 9.2.2), for each lobe by itself. Paths end by Russian roulette. Unbiased;
-// the reference for all faster ways.
+// direction of one of the surface's lobes; what both could have found is weighed by multiple
+// importance sampling (Veach 1997, 9.2), for each lobe by itself. Paths end by Russian roulette.
+// Unbiased; the reference for all faster ways.
 //
 // Read trace_flight first, which is one step of all paths of a packet.
 #pragma once

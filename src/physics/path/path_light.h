@@ -143,7 +143,7 @@ OMMA_HD_CALLED void add_emission(const Flight<L, Search>& flight, const Hits<L>&
                                       {hits.instance[l], int_of(rays.triangle[l]), rays.t_far_m[l]},
                                       {vec_at(rays.origin, l), vec_at(state.lit_normal, l)},
                                       vec_at(rays.direction, l));
-      weight[l] *= balance(state.density[l], state.chose_surface[l] * pdf);
+      weight[l] *= power_heuristic(state.density[l], state.chose_surface[l] * pdf);
     }
     any = true;
   });

@@ -97,13 +97,14 @@ OMMA_HD_CALLED void make_scattering(const Flight<L, Search>& flight, const LitSu
   }
 }
 
-// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, with
-// the balance heuristic's w_j = p / (p + q_j p_j), or 1 where is_delta.
+// How the surfaces scatter a sample of light for each lane: f_j cos θ w_j / p of each lobe j, w_j
+// by the heuristic for p and q_j p_j, or 1 where is_delta; `near`: lanes whose light is not from
+// afar.
 template <typename L>
 OMMA_HD_CALLED void scatter_light_samples(const ScatteringPacket<L>& scattering,
                                           const float (&to_light)[3][L::count],
                                           const float* light_density, const float* is_delta,
-                                          Scattered<L>& direct) {
+                                          LaneMask<L> near, Scattered<L>& direct) {
   using F = typename L::F;
   for (int l = 0; l < L::count; l += L::width) {
     const int v = l / L::width;
@@ -112,11 +113,13 @@ OMMA_HD_CALLED void scatter_light_samples(const ScatteringPacket<L>& scattering,
     const ScatterValue<F> seen = eval_scatter(scattering.point[v], w);
     const F density = load<F>(light_density + l);
     const F over = 1.0f / (density > 0.0f ? density : broadcast<F>(1.0f));
-    const auto delta = load<F>(is_delta + l) > 0.0f;
+    const auto delta = load<F>(is_delta + l) > 0.0f, is_near = near.at(l);
     // Each lobe by itself, as the path may find the same light by that lobe.
     const auto weighed = [&](Lobe lobe, F pdf) {
       const F found = weight[static_cast<int>(lobe)] * pdf;
-      return over * (delta ? broadcast<F>(1.0f) : balance(density, found));
+      F share = balance(density, found);
+      if (near.any()) share = is_near ? power_heuristic(density, found) : share;
+      return over * (delta ? broadcast<F>(1.0f) : share);
     };
     const F by_dielectric = weighed(Lobe::dielectric, seen.boundary_pdf);
     const F by_metal = weighed(Lobe::metal, seen.boundary_pdf);

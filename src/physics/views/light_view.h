@@ -8,6 +8,8 @@
 #include "omma/scene_kinds.h"
 #include "omma/vec.h"
 #include "physics/lanes/lanes.h"
+#include "physics/views/aim_view.h"
+#include "physics/views/cloud_shadow_view.h"
 #include "physics/views/light_tree_view.h"
 
 namespace omma {
@@ -76,36 +78,12 @@ struct EmissiveView {
   LightTreeView triangles;
 };
 
-// Something small and bright that ommatidia aim at: a piece of a surface that shines, or a disc as
-// a plane mirror shows it, or as it is seen through a volume.
-struct AimView {
-  // Of a piece its middle in the mesh of `instance`, m; of a mirror two directions in its plane.
-  Vec3 centre, across;
-  float radius_m = 0;  // of a piece, where the instance's largest scale is 1
-  float chord_2 = 0;   // of an image's rim, as of DiscView
-  std::int32_t instance = -1;  // of the scene; -1: a disc itself
-  std::int32_t disc = -1;      // of LightView; -1: a piece
-  float brightest = 0;         // bound on its mean radiance, of the brightest band
-};
-
-// omma::CloudShadow, as places are given to lamps.
-struct CloudShadowView {
-  const float* optical_depth = nullptr;  // [row][column]; null: none
-  std::int32_t columns = 0, rows = 0;
-  float height_m = 0;
-  float per_m = 0;                        // nodes
-  float first_column = 0, first_row = 0;  // of the origin
-};
-
 // What a kind of light sends to a place from all around (scalar irradiance), where nothing is in
 // the way: of lamps and surfaces, times what the root of their tree sends there (eval_light_node).
 struct KindView {
   const float* sent = nullptr;  // [band]
   float all = 0;                // their sum; 0: there is no such light
 };
-
-// As many as AimsInView has bits for.
-inline constexpr std::int32_t most_aims = 1024;
 
 struct LightView {
   std::int32_t bands = 0;
@@ -137,48 +115,6 @@ struct LightView {
 
 OMMA_HD bool has_near_light(const LightView& light) {
   return light.from_lamps.all > 0.0f || light.from_surfaces.all > 0.0f;
-}
-
-// Which of the intervals of `sum`, [count + 1] ascending from 0 to 1, holds u: never one without
-// width.
-OMMA_HD std::int32_t find_in_sum(const float* sum, std::int32_t count, float u) {
-  std::int32_t first = 0;
-  while (count > 1) {
-    const std::int32_t half = count / 2;
-    first = sum[first + half] <= u ? first + half : first;
-    count -= half;
-  }
-  return first;
-}
-
-// The same from what is known of j / count, j the whole part of u count: a step or two on average
-// however many intervals there are (the method of cutpoints, Chen and Asau 1974). Tables of lanes
-// begin at `first` and `first_guide`.
-template <typename F, typename I>
-OMMA_HD I find_in_sum(const float* sum, I first, const std::uint16_t* guide, I first_guide,
-                      std::int32_t count, F u) {
-  I j = to_int(u * to_float(count));
-  j = j < count ? j : j * 0 + (count - 1);
-  const I at = first_guide + j;
-  // Two of 16 bits are read at once.
-  const I pair = gather_bytes(reinterpret_cast<const std::uint8_t*>(guide), at >> 1);
-  I i = (pair >> ((at & 1) * 16)) & 0xffff;
-  for (;;) {
-    const auto is_before = gather(sum, first + i + 1) <= u;
-    if (!any_lane(is_before)) return i;
-    i = i + keep(is_before, i * 0 + 1);
-  }
-}
-
-// u within the interval of numbers a to b that it lies in, in [0, 1).
-template <typename F>
-OMMA_HD F within_part(F a, F b, F u) {
-  const F inside = (u - a) / (b - a), most = broadcast<F>(0x1.fffffep-1f);
-  const F at_least = inside > 0.0f ? inside : broadcast<F>(0.0f);
-  return at_least < most ? at_least : most;
-}
-OMMA_HD float within_part(const float* sum, std::int32_t interval, float u) {
-  return within_part(sum[interval], sum[interval + 1], u);
 }
 
 }  // namespace omma
