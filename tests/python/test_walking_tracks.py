@@ -86,7 +86,19 @@ def test_headers_of_loggers_and_maps_are_told_what_to_do(tmp_path):
             "for time",
         ),
         ("t_s,easting,northing", "x_m is the easting and z_m the northing's negative, in metres"),
-        ("x_m,y_m", "z_m is probably the negative of y_m: on maps y leads north, which is -Z"),
+        (
+            "x_m,y_m",
+            "z_m leads south: it is y_m, in metres, where that grows downwards, as in videos from "
+            "above, and its negative where it grows northwards, as on maps",
+        ),
+        (
+            "frame,x_px,y_px",
+            "where it grows northwards, as on maps; columns are in seconds, metres and degrees: "
+            "x_m for x_px; t_s is frame divided by the frames of a second",
+        ),
+        ("id,x_m,z_m", "a track is of one animal: one file for each, of id"),
+        ("t_s,track_id,x_m,z_m", "a track is of one animal: one file for each, of track_id"),
+        ("seconds,x1,y1,x2,y2", "a track is of one animal: one file for each, of x1, x2"),
         ("t_ms,x_cm,z_cm", "metres and degrees: t_s for t_ms, x_m for x_cm, z_m for z_cm"),
         ("time (s),x_m,z_m", "metres and degrees: t_s for time (s)"),
         ("t_s,x_m,z_m,speed,sex", "leave out speed, sex"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,7 @@ from omma.base.warn import warn_caller
 LOST = ("refuse", "leave_out")
 
 _TIME, _PLACE, _HEADING = ("t_s",), ("x_m", "z_m"), ("heading_deg",)
+_ANIMALS = {"id", "identity", "animal", "individual", "track"}
 # Gaps between positions that are told, s, and how many of them.
 _GAP_S, _MOST_NAMED = 1.0, 5
 # Least growth of a whole number of steps by which a last one still counts.
@@ -161,17 +163,30 @@ def _remedy(columns: tuple[str, ...]) -> str:
         said.append(_which_is_height(stems["y"], stems["z"]))
     elif "y" in stems:
         y = stems["y"]
-        said.append(f"z_m is probably the negative of {y}: on maps y leads north, which is -Z")
+        said.append(
+            f"z_m leads south: it is {y}, in metres, where that grows downwards, as in videos from "
+            "above, and its negative where it grows northwards, as on maps"
+        )
     other = say_units(columns, units)
     if other:
         said.append(other)
     frame = stems.get("frame") or stems.get("frames")
     if frame and not {*stems} & {*TIMES}:
         said.append(f"t_s is {frame} divided by the frames of a second")
+    many = _of_many_animals(columns)
+    if many:
+        said.append(f"a track is of one animal: one file for each, of {', '.join(many)}")
     more = [one for one in columns if one not in (*_TIME, *_PLACE, *_HEADING)]
     if whole and more and not said:
         said.append(f"leave out {', '.join(more)}")
     return "; ".join(said)
+
+
+def _of_many_animals(columns: tuple[str, ...]) -> list[str]:
+    """Columns that tell animals apart: their names, or x of each of them."""
+    names = [one for one in columns if one.removesuffix("_id") in _ANIMALS]
+    numbered = [one for one in columns if re.fullmatch(r"x_?\d+(_\w+)?", one)]
+    return names or (numbered if len(numbered) > 1 else [])
 
 
 def _which_is_height(y: str, z: str) -> str:
