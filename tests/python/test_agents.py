@@ -192,4 +192,12 @@ def test_what_is_wrong_is_said(swarm, path):
         render_agents([renderer] * 2, path[:, :2], bodies=[BODIES[0], BODIES[0]])
     with pytest.raises(omma.Error, match=r"bodies\[0\]\['bee 0'\]: expected"):
         render_agents([renderer], path[:, :1], bodies=[{"bee 0": np.eye(3)}])
+    lost = path.copy()
+    lost[3, 1, 0, 3] = np.nan
+    with pytest.raises(omma.Error, match=r"poses\[3, 1\]: expected finite numbers"):
+        render_agents([renderer] * 3, lost)
+    response = omma.photoreceptors.ImpulseResponse.box(0.02)
+    lasting = omma.Renderer(world, make_eye(10), omma.Fixed(4), impulse_response=response)
+    with pytest.raises(omma.Error, match="times_s: expected times that grow, as frames last"):
+        render_agents([lasting] * 3, path, times_s=np.zeros(5))
     assert render_agents([renderer], path[:0, :1])[0].shape == (0, 10, 3)

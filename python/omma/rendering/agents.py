@@ -67,7 +67,13 @@ def render_agents(
             raise Error(f"renderers[{a}]: expected one of the world of renderers[0], found another")
     heads = array_of(poses, "poses", ("frames", animals, 4, 4))
     frames = len(heads)
+    lost = np.argwhere(~np.isfinite(heads).all(axis=(2, 3)))
+    if len(lost):
+        raise Error(f"poses[{lost[0, 0]}, {lost[0, 1]}]: expected finite numbers, found others")
     times = None if times_s is None else array_of(times_s, "times_s", (frames,))
+    lasting = any(one.settings.impulse_response is not None for one in renderers)
+    if lasting and times is not None and not np.all(np.diff(times) > 0):
+        raise Error("times_s: expected times that grow, as frames last, found others")
     held = _held(world, bodies, animals)
     things = [thing for own, _ in held for thing in own]
     placed = np.concatenate([heads[:, a, None] @ held[a][1] for a in range(animals)], axis=1)
