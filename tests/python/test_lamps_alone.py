@@ -11,6 +11,7 @@ from lit_checks_lights import LUMINOUS_EFFICIENCY
 from PIL import Image
 
 import omma
+from omma.job.info import describe_file
 from omma.scene import Material, PunctualLight
 from omma.scene.light_words import parse_light
 
@@ -156,3 +157,20 @@ def test_files_of_exporters(tmp_path):
     world = omma.World(again, light=omma.light.lamps(), depth=1)
     (below,) = nits(world, (0, 0.5, 0))
     assert below == pytest.approx(CANDELAS / HEIGHT_M**2 / np.pi, rel=PHOTOMETRY)
+
+
+def test_it_is_told_where_nothing_gives_light():
+    ground = omma.scene.plane((2, 2))
+    with pytest.warns(UserWarning, match="no sky, and the scene has no lamps .* all is black"):
+        omma.World(ground, light=omma.light.lamps())
+    lamp = omma.scene.PunctualLight("lamp", intensity=10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omma.World(ground.replace(lights=[lamp]), light=omma.light.lamps())
+        omma.World(ground, light=omma.light.overcast_sky(40), ultraviolet="dark")
+
+
+def test_info_counts_lamps(tmp_path):
+    lamps = [PunctualLight("a"), PunctualLight("b", type="spot"), PunctualLight("c")]
+    omma.scene.save_scene(tmp_path / "room.glb", room(*lamps))
+    assert dict(describe_file(tmp_path / "room.glb"))["lamps"] == "2 point, 1 spot"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -160,6 +161,9 @@ def describe_scene(scene: Scene, *, unit_is_told: bool = False, up: str | None =
     background = scene.background
     color = f" {_point(np.array(background.color))}" if background.type == "constant" else ""
     lines.append(("background", background.type.replace("_", " ") + color))
+    if scene.lights:
+        kinds = Counter(one.type for one in scene.lights)
+        lines.append(("lamps", ", ".join(f"{count:,} {kind}" for kind, count in kinds.items())))
     if len(scene.scene_names) > 1:
         lines.append(("scenes", ", ".join(scene.scene_names)))
     for index, camera in enumerate(scene.cameras):

@@ -16,7 +16,7 @@ from omma.base.values import value_class
 from omma.base.warn import warn_caller
 from omma.light import Light
 from omma.scene.baking import Bake
-from omma.scene.white import vanishing_emission
+from omma.scene.white import vanishing_emission, without_light
 
 LightingName = Literal["baked", "path", "unlit"]
 # How the sun is asked for where the rest of the light was baked.
@@ -192,12 +192,13 @@ def tell_of_splats(scene: Scene, lighting: Lighting | None) -> None:
 
 
 def tell_of_emission(scene: Scene, lighting: Lighting | None) -> None:
-    """A warning where what shines vanishes beside the rest of the light."""
+    """A warning where what shines vanishes beside the rest of the light, or nothing does."""
     if lighting is None:
         return
-    sentence = vanishing_emission(scene, lighting.light, lighting.emission_cd_m2)
-    if sentence:
-        warn_caller(sentence, UserWarning)
+    told = vanishing_emission(scene, lighting.light, lighting.emission_cd_m2)
+    for sentence in (told, without_light(scene, lighting.light)):
+        if sentence:
+            warn_caller(sentence, UserWarning)
 
 
 def checked_rule(rule: Any) -> Rule:

@@ -62,6 +62,18 @@ def vanishing_emission(scene: Scene, light: Light, emission_cd_m2: float) -> str
     )
 
 
+def without_light(scene: Scene, light: Light) -> str:
+    """A sentence where nothing gives light: no sky, no disc, no lamp, no surface that shines."""
+    shows = scene.splats or any(one.unlit or any(one.emissive) for one in scene.materials)
+    if light.sky is not None or light.discs or scene.lights or shows or not scene.triangle_count:
+        return ""
+    return (
+        "light: no sky, and the scene has no lamps (KHR_lights_punctual) and no surface that "
+        "shines: all is black. omma.light.clear_sky(30) is a light, and a scene takes lamps by "
+        "scene.replace(lights=[omma.scene.PunctualLight(...)])"
+    )
+
+
 def _lamp_illuminance(scene: Scene) -> float:
     """Lux, half the scene's size away from each lamp."""
     lamps = scene.lights
