@@ -214,6 +214,11 @@ void visit_arrays(CloudShadowView& view, Visit& visit) {
 }
 
 template <typename Visit>
+void visit_arrays(KindView& view, Visit& visit, std::int32_t bands) {
+  visit(view.sent, {bands});
+}
+
+template <typename Visit>
 void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.sky, visit, view.bands);
   visit(view.extinction_per_m, {view.bands});
@@ -226,8 +231,9 @@ void visit_arrays(LightView& view, Visit& visit, Version placed) {
   visit_arrays(view.emissive_tree, visit, placed);
   visit(view.emissive_of_instance, {view.instance_count});
   visit(view.aims, {view.aim_count});
-  for (KindView* kind : {&view.from_afar, &view.from_lamps, &view.from_surfaces})
-    visit(kind->sent, {view.bands});
+  visit_arrays(view.from_afar, visit, view.bands);
+  visit_arrays(view.from_lamps, visit, view.bands);
+  visit_arrays(view.from_surfaces, visit, view.bands);
 }
 
 template <typename Visit>
