@@ -6,7 +6,8 @@
 one render each, beside the sum over all lamps of I cos / d^2. Then one lamp of 100 cd, 5 m up,
 under a full moon, over grounds of different sizes. And some of the first lamps beside one, 500
 times as strong, whose light reaches no place there: one that points upwards, one in a cellar, one
-behind a wall.
+behind a wall. Last, how often single responses are beyond three of their standard errors: of two
+lamps beside a strong one behind a wall, and of a panel whose texture shines on one half.
 """
 
 import platform
@@ -16,6 +17,7 @@ import numpy as np
 import omma
 
 SPACING_M, UP_M, REFLECTANCE = 6.0, 4.0, 0.5
+FINE = omma.Fixed(16384)
 
 
 def lamps_on_a_grid(count: int) -> np.ndarray:
@@ -71,6 +73,7 @@ def main() -> None:
         )
     lamp_under_moon()
     lamps_that_do_not_reach(eye, pose)
+    beyond_three_errors(eye.take(range(0, len(eye), 16)), pose)
 
 
 def lamp_under_moon() -> None:
@@ -108,14 +111,7 @@ def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
     cone = {"inner_cone_rad": 0.2, "outer_cone_rad": 0.4}
     spot = omma.scene.PunctualLight("up", type="spot", world_from_light=upwards, **cone, **strong)
     cellar = omma.scene.PunctualLight("cellar", world_from_light=below, **strong)
-    behind = np.eye(4)
-    behind[:3, 3] = 0, 3, 30
-    walled = omma.scene.PunctualLight("behind wall", world_from_light=behind, **strong)
-    black = omma.scene.Material(specular=0, base_color=(0, 0, 0, 1), double_sided=True)
-    upright = np.array([[1, 0, 0, 0], [0, 0, -1, 5], [0, 1, 0, 25], [0, 0, 0, 1]], float)
-    wall = omma.scene.plane((200, 30)).replace(
-        materials=[black], instances=[omma.scene.Instance(0, upright, name="wall")]
-    )
+    walled, wall = lamp_behind_wall()
     print("lamps  beside       off by, rms  claimed  median/true  0 +- 0  ToError(0.05)")
     for count in (1, 10, 20):
         world = world_of(lamps_on_a_grid(count))
@@ -136,6 +132,66 @@ def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
                 f"{count:5d}  {lamp.name:11s} {np.sqrt(np.mean((found - 1) ** 2)):12.1%} "
                 f"{np.sqrt(np.mean((claimed / true) ** 2)):8.1%} {np.median(found):12.3f} "
                 f"{dark:7.1%} {off:14.1%}"
+            )
+
+
+def lamp_behind_wall() -> tuple[omma.scene.PunctualLight, omma.Scene]:
+    behind = np.eye(4)
+    behind[:3, 3] = 0, 3, 30
+    lamp = omma.scene.PunctualLight("behind wall", world_from_light=behind, intensity=50_000)
+    black = omma.scene.Material(specular=0, base_color=(0, 0, 0, 1), double_sided=True)
+    upright = np.array([[1, 0, 0, 0], [0, 0, -1, 5], [0, 1, 0, 25], [0, 0, 0, 1]], float)
+    wall = omma.scene.plane((200, 30)).replace(
+        materials=[black], instances=[omma.scene.Instance(0, upright, name="wall")]
+    )
+    return lamp, wall
+
+
+def panel(width_m: float, texture: omma.scene.Image | None) -> omma.Scene:
+    """Shines down from 2 m; of a texture its left half is seen there."""
+    x = np.array([0, width_m, width_m, 0]) - 0.5
+    corner = np.stack([x, np.full(4, 2.0), [-0.3, -0.3, 0.3, 0.3]], 1)
+    glowing = omma.scene.Material(
+        specular=0, base_color=(0, 0, 0, 1), emissive=(1, 1, 1), double_sided=True,
+        emissive_texture=None if texture is None else 0,
+    )  # fmt: skip
+    mesh = omma.scene.Mesh(
+        corner, [[0, 1, 2], [0, 2, 3]], material=0,
+        texture_coordinates=[[0, 0], [width_m, 0], [width_m, 1], [0, 1]],
+    )  # fmt: skip
+    if texture is None:
+        return omma.Scene(meshes=[mesh], materials=[glowing])
+    nearest = [omma.scene.Texture(0, filter="nearest")]
+    return omma.Scene(meshes=[mesh], materials=[glowing], images=[texture], textures=nearest)
+
+
+def beyond_three_errors(eye: omma.Eye, pose: np.ndarray) -> None:
+    ground = world_of(lamps_on_a_grid(2))
+    lamp, wall = lamp_behind_wall()
+    walled = ground.scene.replace(lights=[*ground.scene.lights, lamp])
+    dark = ground.scene.replace(lights=[])
+    half = omma.scene.Image(np.float32([[[1, 1, 1], [0, 0, 0]]]))
+    cases = (
+        ("two lamps, one hidden", omma.scene.merge_scenes([walled, wall]), ground.scene),
+        (
+            "half a panel by texture",
+            omma.scene.merge_scenes([dark, panel(1.0, half)]),
+            omma.scene.merge_scenes([dark, panel(0.5, None)]),
+        ),
+    )
+    poses = np.repeat(pose[None], 200, 0)
+    print("lit by                   rays  off by, rms  claimed  |z| > 3")
+    for name, scene, alike in cases:
+        of_truth = omma.Renderer(omma.World(alike, light=ground.light, depth=1), eye, FINE)
+        true = of_truth.render(pose)[0, :, 0].astype(float)
+        world = omma.World(scene, light=ground.light, depth=1)
+        for samples in (16, 64):
+            renderer = omma.Renderer(world, eye, omma.Fixed(samples), noise="new_every_frame")
+            response, error = renderer.render(poses, standard_error=True)
+            off, claimed = response[..., 0] / true - 1, error[..., 0] / true
+            print(
+                f"{name:24s} {samples:4d} {np.sqrt(np.mean(off**2)):12.1%} "
+                f"{np.sqrt(np.mean(claimed**2)):8.1%} {np.mean(np.abs(off) > 3 * claimed):8.1%}"
             )
 
 
