@@ -87,7 +87,6 @@ std::vector<double> make_lamps(LightData& data, const Light& light, const Scene&
       view.cone_scale = static_cast<float>(scale);
       view.cone_offset = static_cast<float>(-outer * scale);
     }
-    view.power = static_cast<float>(sum_of(strength));
     data.lamps.push_back(view);
     data.lamp_of_scene.push_back(i);
     const bool is_far = lamp.type == PunctualLightType::directional;
@@ -229,15 +228,22 @@ std::vector<double> make_emissive(LightData& data, const Light& light, const Sce
   return sent;
 }
 
-// What each kind of light sends to a place, as KindView has it: what lamps and surfaces send to one
-// at `distance_m` falls with distance as the root of their tree does.
+// What each kind of light sends to a place, as KindView has it, in units of the usual radiance, as
+// absolute numbers of large scenes would leave single precision: what lamps and surfaces send to a
+// place at `distance_m` falls with distance as the root of their tree does.
 void view_kinds(LightData& data, const std::array<std::vector<double>, 3>& sent,
                 double distance_m) {
+  const std::size_t bands = sent[0].size();
+  for (std::size_t i = 0; i < data.lamps.size(); ++i) {
+    double power = 0;
+    for (std::size_t b = 0; b < bands; ++b)
+      power += static_cast<double>(data.lamp_strength[i * bands + b]);
+    data.lamps[i].power = static_cast<float>(power / data.radiance_unit);
+  }
   KindView* const kinds[3] = {&data.view.from_afar, &data.view.from_lamps,
                               &data.view.from_surfaces};
   for (std::size_t k = 0; k < 3; ++k) {
-    const double scale = k == 0 ? 1 : distance_m * distance_m;
-    data.sent[k].clear();
+    const double scale = (k == 0 ? 1 : distance_m * distance_m) / data.radiance_unit;
     for (const double x : sent[k]) data.sent[k].push_back(static_cast<float>(x * scale));
     *kinds[k] = {data.sent[k].data(), static_cast<float>(sum_of(sent[k]) * scale)};
   }
@@ -277,8 +283,8 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
   out.emissive_of_instance = data->emissive_of_instance.data();
   out.emissive_count = static_cast<std::int32_t>(data->emissive.size());
   out.instance_count = static_cast<std::int32_t>(data->emissive_of_instance.size());
-  view_kinds(*data, sent, distance_m);
   data->radiance_unit = choose_radiance_unit(sent);
+  view_kinds(*data, sent, distance_m);
   data->aims = make_aims(*data, scene, placement, view);
   out.aims = data->aims.data();
   out.aim_count = static_cast<std::int32_t>(data->aims.size());
@@ -298,11 +304,6 @@ void scale_to_radiance_unit(LightData& data) {
   data.view.sky.per_unit = per_unit;
   for (float& x : data.disc_radiance) x *= per_unit;
   for (float& x : data.lamp_strength) x *= per_unit;
-  for (LampView& lamp : data.lamps) lamp.power *= per_unit;
-  for (std::vector<float>& of_kind : data.sent)
-    for (float& x : of_kind) x *= per_unit;
-  for (KindView* kind : {&data.view.from_afar, &data.view.from_lamps, &data.view.from_surfaces})
-    kind->all *= per_unit;
   for (AimView& aim : data.aims) aim.brightest *= per_unit;
   data.view.least_aimed *= per_unit;
 }

@@ -65,7 +65,8 @@ std::unique_ptr<LightData> make_light_data(const Light& light, const Scene& scen
 // Drops Q and U of the sky.
 void keep_intensity_alone(LightData& data);
 
-// Divides all radiance by `radiance_unit`, but for that of surfaces, which is the caller's. To be
+// Divides all radiance by `radiance_unit`, but for that of surfaces, which is the caller's; what
+// lights are chosen by, KindView and LampView::power, is in this unit from the beginning. To be
 // called once.
 void scale_to_radiance_unit(LightData& data);
 

@@ -237,3 +237,17 @@ def test_a_lamp_under_the_moon_on_any_ground(size_m, backend):
     true = seen([lamp], dark, 16) + seen([], moon, 1024)
     # 2 %, of the choice between the two.
     assert np.sqrt(np.mean((seen([lamp], moon, 16) / true - 1) ** 2)) < 0.04
+
+
+def test_a_directional_lamp_lights_scenes_of_any_size():
+    """Of 4e11 m it had sent nothing: a sum of what lamps send had left single precision."""
+    bands = Bands.equal(2, 400, 700)
+    down = np.array([[1, 0, 0, 0], [0, 0, 1, 5], [0, -1, 0, 0], [0, 0, 0, 1]], float)
+    lamp = omma.scene.PunctualLight("sun", type="directional", intensity=1e5, world_from_light=down)
+    eye, pose = look_down(PLACES[:3])
+    seen = []
+    for half_m in (10, 4e11):
+        ground = omma.scene.plane((2 * half_m, 2 * half_m)).replace(materials=[MATT])
+        world = under_a_lamp(ground, [lamp], omma.light.lamps(bands=bands), "")
+        seen.append(omma.Renderer(world, eye, omma.Fixed(4)).render(pose))
+    np.testing.assert_allclose(seen[1], seen[0], rtol=1e-5)
