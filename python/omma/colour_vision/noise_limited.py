@@ -105,14 +105,9 @@ def noise_limited_distance(
 
 
 def distance_of_many(
-    first: ArrayLike,
-    second: ArrayLike,
-    noise: ArrayLike,
-    *,
-    signal: Signal = "log",
-    photon_noise: bool = False,
+    first: ArrayLike, second: ArrayLike, noise: ArrayLike, *, signal: Signal, photon_noise: bool,
     adapting: ArrayLike | None = None,
-) -> Floats:
+) -> Floats:  # fmt: skip
     """`noise_limited_distance` by noise that may be above 1 in all classes that are looked at."""
     logarithmic = one_of(signal, ("log", "linear"), "signal") == "log"
     one, other = pair_of(first, second, ("first", "second"), above_zero=logarithmic)

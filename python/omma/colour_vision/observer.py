@@ -202,7 +202,9 @@ class Decision:
             # A target that gives no light at all has no logarithm.
             seen = np.maximum(ground + more, 1e-9 * ground)[..., used]
             if self._observer.by == "colour":
-                return distance_of_many(seen, ground[used], self._noise[used], photon_noise=True)
+                return distance_of_many(
+                    seen, ground[used], self._noise[used], signal="log", photon_noise=True
+                )
             noise = float(self._noise[used][0])
             return distance_of_one(seen[..., 0], ground[used][0], noise, photon_noise=True)
 
