@@ -15,4 +15,8 @@ bool at_fork_in_child(void (*)()) {
   return true;
 }
 
+bool end_early_at_exit(bool (*)()) {
+  return true;
+}
+
 }  // namespace omma::system

@@ -16,8 +16,10 @@ void lose_threads() {
   if (used) gone = true;
 }
 
-// Once, when the library is loaded: before any fork that matters.
-[[maybe_unused]] const bool registered = system::at_fork_in_child(lose_threads);
+// Once, when the library is loaded: before any fork that matters, and after oneTBB, whose
+// destructor waits for locks that threads of the process before the fork may have held.
+[[maybe_unused]] const bool registered =
+    system::at_fork_in_child(lose_threads) && system::end_early_at_exit(threads_are_gone);
 
 }  // namespace
 

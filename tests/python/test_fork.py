@@ -123,6 +123,33 @@ def test_children_that_end_as_python_does(files):
         assert program.end() == (0, "True\n7\n", "")
 
 
+def test_children_that_end_as_python_does_while_others_start_threads(files):
+    """The destructor of oneTBB waited for a lock which one of the others had held: 1 of 10 hung."""
+    text = SETUP + (
+        "make = lambda: renderer.with_eye(eye).render(poses)\n"
+        "threads = [threading.Thread(target=work, args=(make,), daemon=True) for _ in range(3)]\n"
+        "for thread in threads:\n"
+        "    thread.start()\n"
+        "codes = []\n"
+        "for _ in range(60):\n"
+        "    time.sleep(0.003)\n"
+        "    pid = os.fork()\n"
+        "    if pid == 0:\n"
+        "        signal.alarm(60)\n"
+        "        print(same(renderer.render(poses, standard_error=True), expected))\n"
+        "        sys.exit(7)\n"
+        "    codes.append(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))\n"
+        "    if codes[-1] != 7:\n"
+        "        break\n"
+        "over.set()\n"
+        "for thread in threads:\n"
+        "    thread.join()\n"
+        "print(codes)\n"
+    )
+    with Program(text, files / "scene.gltf") as program:
+        assert program.end() == (0, 60 * "True\n" + f"{60 * [7]}\n", "")
+
+
 def test_a_pool_of_forked_processes(files):
     text = SETUP + (
         "import multiprocessing\n"
