@@ -258,6 +258,12 @@ Acceptance kernel(const Reader& reader, const CsvRecord& record, const Eye& eye)
 
 void add_kernel(Reader& reader, const CsvRecord& record, Eye& eye) {
   if (cell_text(reader, record, "kernel").empty()) {
+    // What belongs to an angular sensitivity that is not named would change nothing, unseen.
+    for (const auto& [column, found] : reader.found)
+      if (column.starts_with("kernel_") && !record.cells[found.cell].text.empty())
+        fail(reader, record, found.cell,
+             "expected the name of what it belongs to in column \"kernel\", such as gaussian or "
+             "airy, found none");
     if (!number<float>(reader, record, "acceptance_angle"))
       throw Error(reader.name + ", line " + std::to_string(record.line) +
                   ": expected an acceptance angle or a kernel, found neither");

@@ -144,6 +144,8 @@ TEST(EyeCsv, NamesWhatIsWrongAndWhere) {
   expect_csv_error(axis_header + ",kernel" + line + ",round",
                    {"line 2", "kernel", "gaussian, pillbox", "\"round\""});
   expect_csv_error(axis_header + ",kernel" + line + ",airy", {"line 2", "kernel"});
+  expect_csv_error(axis_header + ",kernel_width_deg" + line + ",2",
+                   {"line 2, column \"kernel_width_deg\"", "column \"kernel\"", "found none"});
   expect_csv_error(axis_header + ",kernel,kernel_table" + line + ",table,t",
                    {"line 2", "kernel_table", "\"t\""});
   expect_csv_error(axis_header + ",receptors" + line + ",green", {"line 2", "receptors", "green"});

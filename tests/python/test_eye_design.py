@@ -1,5 +1,7 @@
 """Eyes made to order: as many as asked, even, as dense as asked, normal to the surface."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -251,6 +253,16 @@ def test_wrong_zones_are_named(name):
     with pytest.raises(omma.Error, match=name):
         omma.eye.AcuteZone(**({"azimuth_rad": 0, "elevation_rad": 0, "width_rad": 1, "factor": 1}
                           | {name: -1}))  # fmt: skip
+
+
+def test_zones_in_degrees_are_told():
+    with pytest.raises(omma.Error, match=r"azimuth_rad: expected -6.28\d* to 6.28\d*, found 60"):
+        omma.eye.AcuteZone(60, 0, 0.5, 2)
+    with pytest.raises(omma.Error, match=r"elevation_rad: expected -1.57\d* to 1.57\d*, found 30"):
+        omma.eye.AcuteZone(0, 30, 0.5, 2)
+    with pytest.warns(UserWarning, match="width_rad: 40 rad is unusual .*40° would be 0.698"):
+        omma.eye.AcuteZone(0, 0, 40, 2)
+    omma.eye.AcuteZone(math.radians(-360), math.radians(90), math.radians(360), 2)
 
 
 def test_progress_is_told_and_may_stop_it():

@@ -37,6 +37,8 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     # Of neighbours; compound eyes have 0.2° to some tens of degrees.
     "interommatidial angle": (math.radians(0.02), math.radians(60.0), "rad"),
     "angle between axes": (-math.radians(60.0), math.radians(60.0), "rad"),
+    # Of acute zones and streaks; broader ones change nothing.
+    "width of an acute zone": (0.0, math.tau, "rad"),
     # Microsaccades move axes by some degrees.
     "turn of an axis": (-math.radians(30.0), math.radians(30.0), "rad"),
     # Flies turn by some thousand degrees in a second.

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from omma._core import Error, Eye, expect_eye_radius
-from omma.base.arguments import array_of, checked, positive
+from omma.base.arguments import array_of, checked, positive, within
 from omma.base.arrays import Floats
 from omma.base.progress import Stage
+from omma.base.slips import warn_of_slip
 from omma.base.values import value_class
 from omma.eye.cells import NEIGHBOURS
 from omma.eye.relaxation import (
@@ -56,9 +57,9 @@ class AcuteZone:
     def __post_init__(self) -> None:
         positive(self.width_rad, "width_rad")
         positive(self.factor, "factor")
-        for name in ("azimuth_rad", "elevation_rad"):
-            if not math.isfinite(getattr(self, name)):
-                raise Error(f"{name}: expected a finite angle, found {getattr(self, name)}")
+        within(self.azimuth_rad, "azimuth_rad", -math.tau, math.tau)
+        within(self.elevation_rad, "elevation_rad", -math.pi / 2, math.pi / 2)
+        warn_of_slip("width of an acute zone", self.width_rad, "width_rad")
 
     def density(self, directions: Floats) -> Floats:
         """Relative number of ommatidia per steradian at directions (K, 3), head frame: (K,)."""
