@@ -142,11 +142,13 @@ Image decode_radiance_hdr(EncodedImage bytes, const std::string& place, const Wo
     read_scanline(reader, rgbe, image.width);
     for (std::size_t i = 0; i < row; i += 4) {
       float* pixel = &image.rgba_linear[first + i];
+      // Writers cut mantissas off, so a value is in the middle of what gave its own: (m + ½)
+      // 2^(e-136) (Ward 1991, `colrval`). Without the half all pictures are 0.2 to 0.4 % too dark,
+      // and dark components of saturated colours are up to a half.
       for (std::size_t c = 0; c < 3; ++c)
-        pixel[c] =
-            rgbe[i + 3] == 0
-                ? 0.0f
-                : static_cast<float>(std::ldexp(rgbe[i + c] / exposure[c], rgbe[i + 3] - 136));
+        pixel[c] = rgbe[i + 3] == 0 ? 0.0f
+                                    : static_cast<float>(std::ldexp(
+                                          (rgbe[i + c] + 0.5) / exposure[c], rgbe[i + 3] - 136));
       pixel[3] = 1.0f;
     }
   }

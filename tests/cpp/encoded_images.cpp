@@ -199,7 +199,7 @@ EncodedKind png_of_16_bits() {
 }
 
 EncodedKind radiance_hdr_of_runs() {
-  // mantissa * 2^(exponent - 136), here the power is 1/256: one run and literals.
+  // (mantissa + 1/2) * 2^(exponent - 136), here the power is 1/256: one run and literals.
   std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 11 +X 17\n";
   for (int y = 0; y < height; ++y) {
     bytes += std::string("\x02\x02\0\x11", 4);
@@ -209,10 +209,10 @@ EncodedKind radiance_hdr_of_runs() {
     }
     bytes += "\x91\x80";
   }
-  return {
-      "runs.hdr", bytes, image_linear([](int x, int y) {
-        return std::array{code(x, y, 0) / 256.0, code(x, y, 1) / 256.0, code(x, y, 2) / 256.0, 1.0};
-      })};
+  return {"runs.hdr", bytes, image_linear([](int x, int y) {
+            const auto value = [&](int c) { return (code(x, y, c) + 0.5) / 256; };
+            return std::array{value(0), value(1), value(2), 1.0};
+          })};
 }
 
 class ExrStream : public Imf::OStream {

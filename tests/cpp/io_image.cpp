@@ -1,5 +1,9 @@
 // Images: PNG, JPEG, Radiance HDR and OpenEXR of every kind, and those that are broken; whole files
 // written at once.
+#include <array>
+#include <cmath>
+#include <random>
+
 #include "encoded_images.h"
 #include "gltf_builder.h"
 #include "io/atomic_file.h"
@@ -79,9 +83,10 @@ std::string hdr(const std::string& size, const std::string& pixels) {
 }
 
 TEST(Image, RadianceHdr) {
-  // value = mantissa * 2^(exponent - 136)
+  // value = (mantissa + 1/2) * 2^(exponent - 136)
   const Image plain = decode(hdr("-Y 1 +X 2", std::string("\x80\x40\x20\x81\x01\x02\x03\x00", 8)));
-  EXPECT_EQ(plain.rgba_linear, (std::vector<float>{1, 0.5f, 0.25f, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(plain.rgba_linear,
+            (std::vector<float>{257 / 256.0f, 129 / 256.0f, 65 / 256.0f, 1, 0, 0, 0, 1}));
   // Run-length encoded, 8 pixels: a run of 8, a literal of 8, runs of 3 and 5, a run of 8.
   std::string packed("\x02\x02\x00\x08", 4);
   packed += "\x88\x80";
@@ -90,10 +95,10 @@ TEST(Image, RadianceHdr) {
   packed += "\x88\x82";
   const Image runs = decode(hdr("-Y 1 +X 8", packed));
   ASSERT_EQ(runs.rgba_linear.size(), 32u);
-  EXPECT_EQ(runs.rgba_linear[4 * 7], 2);
-  EXPECT_EQ(runs.rgba_linear[4 * 7 + 1], 1.75f);
-  EXPECT_EQ(runs.rgba_linear[4 * 2 + 2], 0);
-  EXPECT_EQ(runs.rgba_linear[4 * 3 + 2], 2);
+  EXPECT_EQ(runs.rgba_linear[4 * 7], 257 / 128.0f);
+  EXPECT_EQ(runs.rgba_linear[4 * 7 + 1], 225 / 128.0f);
+  EXPECT_EQ(runs.rgba_linear[4 * 2 + 2], 1 / 128.0f);
+  EXPECT_EQ(runs.rgba_linear[4 * 3 + 2], 257 / 128.0f);
   expect_error([&] { decode(hdr("-Y 2 +X 8", packed)); }, {"place", "cut off"});
   expect_error([&] { decode(hdr("-Y 1 +X 8", packed.substr(0, 9))); }, {"place", "cut off"});
   packed[4] = '\x89';
@@ -111,7 +116,7 @@ TEST(Image, RadianceHdr) {
     expect_error([&] { exposed(bad); }, {"place", "EXPOSURE"});
   // Colours one by one too, whatever the exposure.
   const Image red = decode(head + "COLORCORR=2 1 4\nEXPOSURE=2\n\n-Y 1 +X 1\n" + one);
-  EXPECT_EQ(red.rgba_linear, (std::vector<float>{0.25f, 0.25f, 0.03125f, 1}));
+  EXPECT_EQ(red.rgba_linear, (std::vector<float>{257 / 1024.0f, 129 / 512.0f, 65 / 2048.0f, 1}));
   for (const char* bad : {"COLORCORR=1 1\n", "COLORCORR=1 0 1\n", "PRIMARIES=1 2\n"})
     expect_error([&] { exposed(bad); }, {"place", std::string(bad).substr(0, 8)});
   // Of the primaries only sRGB's, and Radiance's own, which are nearly these.
@@ -119,6 +124,40 @@ TEST(Image, RadianceHdr) {
   const char* aces = "PRIMARIES=0.713 0.293 0.165 0.83 0.128 0.044 0.32168 0.33767\n";
   expect_error([&] { exposed(aces); }, {"place", "0.713", "sRGB"});
   expect_error([&] { decode("#?RADIANCE\nFORMAT=x\n\n-Y 1 +X 1\nabcd"); }, {"place", "FORMAT"});
+}
+
+// Written as Radiance writes it (Ward 1991, `setcolr`): mantissas are cut off, which must not make
+// pictures darker.
+TEST(Image, RadianceHdrKeepsMeans) {
+  constexpr int width = 7, height = 1000;  // narrower than 8: plain
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform;
+  std::string pixels;
+  std::vector<double> truth;
+  for (int i = 0; i < width * height; ++i) {
+    const std::array value{std::exp(8 * uniform(random) - 4), uniform(random), uniform(random)};
+    int exponent = 0;
+    std::frexp(std::max({value[0], value[1], value[2]}), &exponent);
+    for (const double v : value) {
+      pixels += static_cast<char>(static_cast<int>(std::ldexp(v, 8 - exponent)));
+      truth.push_back(v);
+    }
+    pixels += static_cast<char>(exponent + 128);
+  }
+  const Image image = decode(hdr("-Y 1000 +X 7", pixels));
+  for (std::size_t c = 0; c < 3; ++c) {
+    // Half a step of a pixel, s, is s / sqrt(3) off; a mean of n of these off by more than four of
+    // its standard errors once in 16,000 times. Without the half it is off by a whole half step.
+    double off = 0, half_steps = 0, squares = 0;
+    for (std::size_t i = 0; i < truth.size() / 3; ++i) {
+      off += static_cast<double>(image.rgba_linear[4 * i + c]) - truth[3 * i + c];
+      const double half_step = std::ldexp(0.5, static_cast<std::uint8_t>(pixels[4 * i + 3]) - 136);
+      half_steps += half_step;
+      squares += half_step * half_step / 3;
+    }
+    EXPECT_LT(std::fabs(off), 4 * std::sqrt(squares));
+    EXPECT_LT(4 * std::sqrt(squares), half_steps / 2);  // so that it could be seen
+  }
 }
 
 TEST(Image, TruncationsAreErrors) {
