@@ -5,9 +5,10 @@
 289 ommatidia of 0.1 deg look at a matt plane below point lamps of 100 cd, 4 m up on a grid of 6 m:
 one render each, beside the sum over all lamps of I cos / d^2. Then one lamp of 100 cd, 5 m up,
 under a full moon, over grounds of different sizes. And some of the first lamps beside one, 500
-times as strong, whose light reaches no place there: one that points upwards, one in a cellar, one
-behind a wall. Last, how often single responses are beyond three of their standard errors: of two
-lamps beside a strong one behind a wall, and of a panel whose texture shines on one half.
+times as strong, whose light reaches no place there: one that points upwards, two that do, one in a
+cellar, one behind a wall. Last, how often single responses are beyond three of their standard
+errors: of two lamps beside a strong one behind a wall, and of a panel whose texture shines on one
+half.
 """
 
 import platform
@@ -110,15 +111,19 @@ def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
     strong = {"intensity": 50_000}
     cone = {"inner_cone_rad": 0.2, "outer_cone_rad": 0.4}
     spot = omma.scene.PunctualLight("up", type="spot", world_from_light=upwards, **cone, **strong)
+    elsewhere = upwards.copy()
+    elsewhere[:3, 3] = -6, 0.5, 4
+    second = spot.replace(name="up too", world_from_light=elsewhere)
     cellar = omma.scene.PunctualLight("cellar", world_from_light=below, **strong)
     walled, wall = lamp_behind_wall()
+    beside = {"up": [spot], "two up": [spot, second], "cellar": [cellar], "behind wall": [walled]}
     print("lamps  beside       off by, rms  claimed  median/true  0 +- 0  ToError(0.05)")
     for count in (1, 10, 20):
         world = world_of(lamps_on_a_grid(count))
         true = omma.Renderer(world, eye, omma.Fixed(1024)).render(pose)[0, :, 0]
-        for lamp in (spot, cellar, walled):
-            scene = world.scene.replace(lights=[*world.scene.lights, lamp])
-            if lamp is walled:
+        for name, lamps in beside.items():
+            scene = world.scene.replace(lights=[*world.scene.lights, *lamps])
+            if walled in lamps:
                 scene = omma.scene.merge_scenes([scene, wall])
             both = omma.World(scene, light=world.light, depth=1)
             response, error = omma.Renderer(both, eye, omma.Fixed(16)).render(
@@ -129,7 +134,7 @@ def lamps_that_do_not_reach(eye: omma.Eye, pose: np.ndarray) -> None:
             off = np.sqrt(np.mean((reached[0, :, 0] / true - 1) ** 2))
             dark = np.mean((found == 0) & (claimed == 0))
             print(
-                f"{count:5d}  {lamp.name:11s} {np.sqrt(np.mean((found - 1) ** 2)):12.1%} "
+                f"{count:5d}  {name:11s} {np.sqrt(np.mean((found - 1) ** 2)):12.1%} "
                 f"{np.sqrt(np.mean((claimed / true) ** 2)):8.1%} {np.median(found):12.3f} "
                 f"{dark:7.1%} {off:14.1%}"
             )

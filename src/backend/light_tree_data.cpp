@@ -1,4 +1,5 @@
-// Binary trees over lights: divided at the middle of their longest axis, down to single lights.
+// Binary trees over lights: divided at the middle of their longest axis, or into strong ones and
+// weak ones, down to single lights.
 #include "backend/light_tree_data.h"
 
 #include <algorithm>
@@ -44,17 +45,55 @@ int longest_axis(const std::vector<TreeLight>& lights, const std::int32_t* first
   return longest;
 }
 
-// Gives lights `count` ranks of the tree, a power of two, whose lights begin at `ranked`: halves
-// the box around them at the middle of its longest axis, where either side has ranks for its
-// lights.
-void give_ranks(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
-                std::int32_t* ranked, std::size_t count, std::size_t per_leaf) {
-  const auto number = static_cast<std::size_t>(last - first);
-  if (count <= per_leaf) {
-    std::copy(first, last, ranked);
-    return;
+// How far off a group of lights may be that is judged as one: its weight times its squared size, of
+// each part of a division. Without cones as in Conty Estevez and Kulla (2018).
+double vagueness(const std::vector<TreeLight>& lights, const std::int32_t* first,
+                 const std::int32_t* last) {
+  Bounds box;
+  double weight = 0;
+  for (const std::int32_t* light = first; light != last; ++light) {
+    box = box_around(box, lights[static_cast<std::size_t>(*light)].box);
+    weight += lights[static_cast<std::size_t>(*light)].weight;
   }
-  if (number == 0) return;
+  const Vec3d size = box.upper - box.lower;
+  return weight > 0 ? weight * dot(size, size) : 0;
+}
+
+// Puts lights of at least half the strongest one's weight last: of a node's two the first has the
+// more exact probability, also where it is small. Returns how many others there are.
+std::size_t strong_last(const std::vector<TreeLight>& lights, std::int32_t* first,
+                        std::int32_t* last) {
+  const auto weight = [&](std::int32_t light) {
+    return lights[static_cast<std::size_t>(light)].weight;
+  };
+  double strongest = 0;
+  for (const std::int32_t* light = first; light != last; ++light)
+    strongest = std::max(strongest, weight(*light));
+  std::int32_t* const strong = std::stable_partition(
+      first, last, [&](std::int32_t light) { return weight(light) < 0.5 * strongest; });
+  return static_cast<std::size_t>(strong - first);
+}
+
+// Whether one is far stronger than the others are in the mean; it is put last.
+bool is_one_far_stronger(const std::vector<TreeLight>& lights, std::int32_t* first,
+                         std::int32_t* last) {
+  constexpr double far_stronger = 8;
+  const auto weight = [&](std::int32_t light) {
+    return lights[static_cast<std::size_t>(light)].weight;
+  };
+  std::int32_t* const strongest = std::max_element(
+      first, last, [&](std::int32_t a, std::int32_t b) { return weight(a) < weight(b); });
+  double others = -weight(*strongest);
+  for (const std::int32_t* light = first; light != last; ++light) others += weight(*light);
+  std::iter_swap(last - 1, strongest);
+  return weight(last[-1]) * static_cast<double>(last - first - 1) > far_stronger * others;
+}
+
+// Divides lights at the middle of the longest axis of the box around them, so that neither side has
+// more than `most`. Returns how many are on the first side.
+std::size_t divide_at_middle(const std::vector<TreeLight>& lights, std::int32_t* first,
+                             std::int32_t* last, std::size_t most) {
+  const auto number = static_cast<std::size_t>(last - first);
   const int axis = longest_axis(lights, first, last);
   const auto at = [&](std::int32_t light) {
     return along(lights[static_cast<std::size_t>(light)].centre_m, axis);
@@ -64,14 +103,45 @@ void give_ranks(const std::vector<TreeLight>& lights, std::int32_t* first, std::
   const double middle = at(*low) + 0.5 * (at(*high) - at(*low));
   const auto below = static_cast<std::size_t>(
       std::count_if(first, last, [&](std::int32_t light) { return at(light) < middle; }));
-  const std::size_t half = count / 2;
   const std::size_t split =
-      below == 0 ? std::min(number / 2 + number % 2, half)
-                 : std::clamp(below, number > half ? number - half : std::size_t{0}, half);
+      below == 0 ? std::min(number / 2 + number % 2, most)
+                 : std::clamp(below, number > most ? number - most : std::size_t{0}, most);
   if (split < number)
     std::nth_element(first, first + split, last, [&](std::int32_t a, std::int32_t b) {
       return at(a) != at(b) ? at(a) < at(b) : a < b;
     });
+  return split;
+}
+
+// Gives lights `count` ranks of the tree, a power of two, whose lights begin at `ranked`. One that
+// is far stronger stands alone, since of it alone is known exactly where it sends nothing: in a
+// group its neighbours would be taken for strong there. Else strong lights part from weak ones
+// where that tells more of both than halves of the box around them do.
+void give_ranks(const std::vector<TreeLight>& lights, std::int32_t* first, std::int32_t* last,
+                std::int32_t* ranked, std::size_t count, std::size_t per_leaf) {
+  const auto number = static_cast<std::size_t>(last - first);
+  if (count <= per_leaf) {
+    std::copy(first, last, ranked);
+    return;
+  }
+  if (number == 0) return;
+  const std::size_t half = count / 2;
+  const auto vague = [&](const std::int32_t* from, std::size_t split) {
+    return vagueness(lights, from, from + split) + vagueness(lights, from + split, from + number);
+  };
+  std::size_t split = divide_at_middle(lights, first, last, half);
+  std::vector<std::int32_t> other(first, last);
+  std::int32_t* const begin = other.data();
+  // Two ranks for each light, so that what is below can still be divided where that tells most.
+  const auto has_room = [&](std::size_t side) { return 2 * side <= half; };
+  const bool stands_alone =
+      has_room(number - 1) && is_one_far_stronger(lights, begin, begin + number);
+  const std::size_t weak = stands_alone ? number - 1 : strong_last(lights, begin, begin + number);
+  const bool fits = has_room(std::max(weak, number - weak));
+  if (stands_alone || (fits && vague(begin, weak) < vague(first, split))) {
+    std::copy(other.begin(), other.end(), first);
+    split = weak;
+  }
   give_ranks(lights, first, first + split, ranked, half, per_leaf);
   give_ranks(lights, first + split, last, ranked + half, half, per_leaf);
 }

@@ -127,6 +127,34 @@ TEST(LightTree, LetsWhatIsFarFromAllOthersStandAlone) {
   }
 }
 
+// Strong ones that send nothing, by their cone or below the ground, among weak ones: these are
+// chosen as if the strong ones were not there. When a node had both its lights were taken for
+// strong, and those of the others came once in a thousand times.
+TEST(LightTree, StrongOnesThatSendNothingLeaveTheOthersAlone) {
+  Random random{6};
+  std::vector<TreeLight> weak;
+  for (int i = 0; i < 40; ++i)
+    weak.push_back(tree_light({random.uniform(-60, 60), 4, random.uniform(-60, 60)}, 1));
+  for (const bool below : {false, true}) {
+    std::vector<TreeLight> all = weak;
+    all.push_back(tree_light({-20, below ? -2.0 : 3.0, 5}, 500));
+    if (below)
+      all.push_back(tree_light({30, -2, 5}, 500));
+    else  // one alone: of a place below the box around several their cones tell nothing
+      all.back().axis = {0, 1, 0}, all.back().reach_rad = 0.5;
+    const LightTree tree = make_light_tree(all), without = make_light_tree(weak);
+    for (int k = 0; k < 50; ++k) {
+      const LitPoint place{{static_cast<float>(random.uniform(-50, 50)), 0,
+                            static_cast<float>(random.uniform(-50, 50))},
+                           {0, 1, 0}};
+      for (int i = 0; i < 40; ++i)
+        EXPECT_NEAR(light_tree_probability(tree.view(), place, i) /
+                        light_tree_probability(without.view(), place, i),
+                    1, 0.5);
+    }
+  }
+}
+
 TEST(LightTree, FindsPlacesInItsOwnFrame) {
   Random random{3};
   const Mat4 placed = translation({70, -20, 5}) * random_rotation(random) * scaling({3, -0.1, 2});
