@@ -85,12 +85,12 @@ def test_info_of_a_picture(omma_command, tmp_path):
     assert (code, err) == (0, "")
     for words in ("16 x 8 pixels", "sRGB, 7 to 7 of 255", "of the whole sphere"):
         assert words in out
-    pixel = bytes([128, 128, 128, 129])
+    pixel = bytes([128, 128, 128, 129])  # (128 + 1/2) / 256 x 2, of an exposure of a half
     (tmp_path / "part.hdr").write_bytes(
         b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=0.5\n\n-Y 2 +X 2\n" + 4 * pixel
     )
     _, out, _ = omma_command("info", str(tmp_path / "part.hdr"))
-    for words in ("2 x 2 pixels", "linear, 2 to 2", "none of the whole sphere"):
+    for words in ("2 x 2 pixels", "linear, 2.008 to 2.008", "none of the whole sphere"):
         assert words in out
     (tmp_path / "broken.png").write_bytes(b"\x89PNG")
     code, _, err = omma_command("info", str(tmp_path / "broken.png"))
