@@ -141,6 +141,14 @@ std::vector<std::vector<Vec3d>> scrambled_points(std::uint64_t seed, std::size_t
   return normals;
 }
 
+// Points moved apart have the normal's radii but lie along some directions more than others: only a
+// random turn leaves no bias. Estimates of a round sensitivity turn their directions about the axis
+// (replicates.h); of any other the points of each pattern are turned before they are warped.
+double turn_of_pattern_rad(std::uint64_t seed, std::size_t pattern) {
+  constexpr std::uint64_t of_turns = 0x7475726e73;
+  return 2 * pi * unit_interval(hash_combine(mix_bits(seed ^ of_turns), pattern));
+}
+
 std::vector<Acceptance> rendered_acceptances(const Eye& eye, const RenderSettings& settings) {
   std::vector<Acceptance> all;
   all.reserve(eye.size());
@@ -235,9 +243,14 @@ DirectionTables make_direction_tables(const Eye& eye, const RenderSettings& sett
   parallel_for(std::size_t{0}, to_make.size(), [&](std::size_t k) {
     const std::size_t i = to_make[k];
     const AcceptanceWarpView& warp = tables.warp_views[i / patterns];
+    const double turn_rad =
+        tables.fixed_turn[i / patterns] < 0 ? 0 : turn_of_pattern_rad(settings.seed, i % patterns);
+    const double cosine = std::cos(turn_rad), sine = std::sin(turn_rad);
     float* out = tables.local.data() + i * 3 * n;
     for (std::size_t j = 0; j < n; ++j) {
-      const Vec3d& p = normals[i % patterns][j];
+      const Vec3d& unturned = normals[i % patterns][j];
+      const Vec3d p = {unturned.x * cosine - unturned.y * sine,
+                       unturned.x * sine + unturned.y * cosine, 0};
       const Vec3 d = to_float(sample_acceptance(warp, p.x, p.y));
       out[j] = d.x;
       out[n + j] = d.y;

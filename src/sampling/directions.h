@@ -1,8 +1,9 @@
 // Sample directions of all ommatidia of an eye, as tables, so that no ray needs a random number or
 // a sine: a number of independently scrambled patterns of unit directions around the axis for each
 // distinct acceptance. An estimate takes one pattern, chosen by its scramble hash, and where the
-// sensitivity is round turned about the axis by it too. Where tables would be too large, the same
-// directions are made on the fly; random directions always are (physics/sampling/random_direction.h).
+// sensitivity is round turned about the axis by it too; of any other each pattern's points are
+// turned before they are warped. Where tables would be too large, directions are made on the fly;
+// random directions always are (physics/sampling/random_direction.h).
 #pragma once
 
 #include <cstdint>

@@ -273,3 +273,26 @@ def test_a_light_alone_in_the_dark_needs_no_more_rays_than_the_dark():
     sampling = omma.ToError(relative_error=0.05, most=1 << 15)
     _, report = omma.Renderer(world, eye, sampling).render(np.eye(4)[None], report=True)
     assert report.rays[0, 0] == 32 + 4096
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_lamp_and_a_faint_sky_have_a_sample_each(backend):
+    """Chosen between, a lamp a hundred times as strong as the sky was taken by 15 or 16 of 16 rays, in
+    each scramble as many: responses were up to 3 % off, and claimed 0.001 %."""
+    radiance, from_lamp = 3e10, np.eye(4)
+    from_lamp[1, 3] = 2
+    ground = square(400, (0, 0, 0), (0, 1, 0), MATT)
+    lamp = omma.scene.PunctualLight("lamp", intensity=100, world_from_light=from_lamp)
+    eye = omma.Eye([[0, 0, 0]], [[0, -1, 0]], np.radians(1))
+    poses = np.tile(np.eye(4), (40, 1, 1))
+    poses[:, 0, 3], poses[:, 1, 3] = np.linspace(0.1, 10, 40), 0.2
+
+    def seen_below(lamps, light, seed):
+        world = omma.World(ground.replace(lights=lamps), light=light, depth=1, backend=backend)
+        return omma.Renderer(world, eye, omma.Fixed(16), seed=seed).render(poses)
+
+    sky = omma.light.uniform_sky(radiance, bands=BANDS)
+    expected = seen_below([lamp], omma.light.lamps(bands=BANDS), 0) + ALBEDO * radiance
+    for seed in range(4):
+        # What is left is the noise of the sky, whose share is a hundredth at most.
+        assert seen_below([lamp], sky, seed) == pytest.approx(expected, rel=1e-3)

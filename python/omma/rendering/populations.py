@@ -37,9 +37,10 @@ class Population:
     """E eyes in one world, ready to render; each may have another number of ommatidia.
 
     Each eye sees what it would alone, with the same rays, to the bit, as long as all of them
-    together have at most 64 different acceptance angles; where there are more, directions of
-    nearby widths come of one table, and sensitivities are off by 1e-4 at most. Making one takes
-    less than rendering it.
+    together have at most 64 different acceptance angles. Where there are more, directions of
+    nearby widths come of one table, sensitivities are off by 1e-4 at most, and an eye may have
+    other rays than alone, which change its responses within their standard errors. Making one
+    takes less than rendering it.
 
     Args:
         world: what there is to see; or a scene, of which one is made.

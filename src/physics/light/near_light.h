@@ -11,7 +11,8 @@
 namespace omma {
 
 // Probabilities with which a light sample is from afar, of a lamp, on a surface; they add up to 1,
-// or are all 0.
+// or are all 0. Where light from afar and near light have a sample each, that from afar is 1 and
+// the others add up to 1.
 struct LightKinds {
   float far = 0, lamp = 0, surface = 0;
 };
@@ -21,9 +22,11 @@ struct LightKinds {
 //   p_k = ε / n + (1 - ε) mean_b E_k,b / Σ_j E_j,b,
 //
 // of the n kinds that send it light a part ε evenly, as any may be hidden. That surface and sky
-// turn to each other is left out.
-OMMA_HD LightKinds choose_kinds(const LightView& light, const LitPoint& at) {
-  const KindView kinds[3] = {light.from_afar, light.from_lamps, light.from_surfaces};
+// turn to each other is left out. `sample_each`: light from afar and near light have a sample each.
+OMMA_HD LightKinds choose_kinds(const LightView& light, const LitPoint& at,
+                                bool sample_each = false) {
+  const KindView kinds[3] = {sample_each ? KindView{} : light.from_afar, light.from_lamps,
+                             light.from_surfaces};
   const int present = (kinds[0].all > 0.0f) + (kinds[1].all > 0.0f) + (kinds[2].all > 0.0f);
   float here[3] = {};
   for (int k = 0; k < 3; ++k)
@@ -46,7 +49,8 @@ OMMA_HD LightKinds choose_kinds(const LightView& light, const LitPoint& at) {
   const auto probability = [&](int k) {
     return share[k] > 0.0f ? in_part_evenly(share[k] / bands, lit) : 0.0f;
   };
-  return {probability(0), probability(1), probability(2)};
+  const bool far_too = sample_each && light.from_afar.all > 0.0f;
+  return {far_too ? 1.0f : probability(0), probability(1), probability(2)};
 }
 
 // Towards a lamp or a surface that shines, of the kinds' probabilities; `numbers.which`: less that
