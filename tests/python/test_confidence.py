@@ -113,13 +113,34 @@ def test_holds_it_where_rays_go_to_an_error(arena):
     assert min(cover(low[..., 0], high[..., 0], truth["apart"])) > 0.95
 
 
+@pytest.mark.parametrize("radiance", [1.0, 0.0])
+def test_a_lone_small_target_that_most_rays_miss(radiance):
+    """A disc of 0.4 deg, brighter or darker than all else, in fields of 4 deg: 128 rays see its
+    radiance or nothing of it. Bounds by the range of responses held 0.55 of them."""
+    disc = omma.scene.disc(np.tan(np.radians(0.2)) * 10, center_m=(0, 0, -10), facing=(0, 0, 1))
+    grey = omma.Background.constant((0.2, 0.2, 0.2))
+    color = omma.scene.Material("target", base_color=(radiance,) * 3, double_sided=True)
+    world = omma.World(disc.replace(materials=[color]), background=grey)
+    axis = lattice(200, 4)
+    axis = np.stack([axis[:, 1], axis[:, 2], axis[:, 0]], axis=1)
+    eye = omma.Eye(np.zeros((200, 3)), axis, np.radians(4))
+    renderer = omma.Renderer(world, eye, omma.Fixed(16), noise="new_every_frame", footprints=False)
+    poses = np.tile(np.eye(4), (30, 1, 1))
+    truth = renderer.with_eye(eye, omma.Fixed(16384)).render(poses[:4]).mean(axis=0)
+    assert np.abs(truth - 0.2).min() > 2e-5  # none is out of sight of it
+    responses, errors = renderer.render(poses, standard_error=True)
+    assert (np.abs(responses - truth) <= 2.3646 * errors).mean() < 0.5
+    low, high = omma.study.confidence_interval(eye, responses, errors, 8 * 16)
+    assert ((low <= truth) & (truth <= high)).mean() > 0.98
+
+
 def test_what_it_is_made_of():
     # Eight in a row, 5 degrees apart, and one of another eye that looks where the first does.
     azimuth = np.radians([0, 5, 10, 15, 20, 25, 30, 35, 0])
     axis = np.stack([np.sin(azimuth), 0 * azimuth, -np.cos(azimuth)], axis=1)
     eye = omma.Eye(np.zeros((9, 3)), axis, np.radians(4), 0.0, np.array([0] * 8 + [1], np.int32))
     responses = np.array([0, 0.5, 0, 0, 0, 0, 0, 1, 0.25])[:, None]
-    errors = np.array([0, 0.1, 0, 0, 0, 0, 0, 0, 0.01])[:, None]
+    errors = np.array([0, 0.04, 0, 0, 0, 0, 0, 0, 0.01])[:, None]
     low, high = omma.study.confidence_interval(eye, responses, errors, 100)
     # Among the first four and the six nearest to each are 0 to 0.5, so 3 / 100 of that may be
     # overlooked; the others hear the last of the row. Student's 2.3646 where that is more, or all.
@@ -127,6 +148,11 @@ def test_what_it_is_made_of():
     expected[[1, 8]] = 2.36462 * errors[[1, 8], 0]
     assert high[:, 0] - responses[:, 0] == pytest.approx(expected, rel=1e-5)
     assert responses - low == pytest.approx(high - responses)
+    # Few bright rays scatter more: 100 x 0.1^2 / 0.5 is the radiance of what some of them met.
+    _, high = omma.study.confidence_interval(eye, responses, 2.5 * errors, 100)
+    expected[[0, 2, 3]] = 2 * -np.log(0.05) / 100
+    expected[[1, 8]] *= 2.5
+    assert high[:, 0] - responses[:, 0] == pytest.approx(expected, rel=1e-5)
     # Twice the field reaches twice as far: all hear all of their eye.
     wide = omma.Eye(np.zeros((9, 3)), axis, np.radians(24), 0.0, eye.eye_id)
     _, high = omma.study.confidence_interval(wide, responses, 0 * errors, 100, level=0.99)

@@ -277,8 +277,8 @@ def test_a_light_alone_in_the_dark_needs_no_more_rays_than_the_dark():
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_lamp_and_a_faint_sky_have_a_sample_each(backend):
-    """Chosen between, a lamp a hundred times as strong as the sky was taken by 15 or 16 of 16 rays, in
-    each scramble as many: responses were up to 3 % off, and claimed 0.001 %."""
+    """Chosen between, a lamp a hundred times as strong as the sky was taken by 15 or 16 of 16 rays,
+    in each scramble as many: responses were up to 3 % off, and claimed 0.001 %."""
     radiance, from_lamp = 3e10, np.eye(4)
     from_lamp[1, 3] = 2
     ground = square(400, (0, 0, 0), (0, 1, 0), MATT)

@@ -35,9 +35,11 @@ def confidence_interval(
     The larger of two: Student's interval for the standard error, with 7 degrees of freedom; and
     what n rays can overlook. If a share p of a field is different, n independent rays miss it with
     the probability (1 - p)^n, which is 1 - ``level`` where p is -ln(1 - level) / n (for 0.95 the
-    rule of three, 3/n). How different it may be, neighbours say: the range of its own response and
-    of those of its eye that look within 1.5 acceptance angles of it, or of the six nearest. Without
-    neighbours only the first is left.
+    rule of three, 3/n). How different it may be, neighbours say, those of its eye that look within
+    1.5 acceptance angles of it, or the six nearest, by their responses r and standard errors s: the
+    range of all r, and sum(n s^2) / sum(r - min r), which is what a ray brings of something small
+    and bright that some rays met (max r - r: of something dark); the larger counts. Without
+    neighbours only the first interval is left.
 
     Measured in docs/sampling.md. What no ray of the neighbours meets either is not in it, and
     where rays are shared, neighbours miss the same things.
@@ -68,14 +70,20 @@ def confidence_interval(
         raise Error(f"rays: expected at least 1 each, found {counts.min()}")
     if not 0 < level < 1:
         raise Error(f"level: expected a number between 0 and 1, found {level!r:.40}")
-    contrast = _contrast(values.reshape(-1, *values.shape[-2:]), eye).reshape(values.shape)
+    per_ray = np.broadcast_to(counts[..., None], values.shape) * errors**2
+    by_pose = (-1, *values.shape[-2:])
+    contrast = _contrast(values.reshape(by_pose), per_ray.reshape(by_pose), eye)
+    contrast = contrast.reshape(values.shape)
     overlooked = -np.log1p(-level) / counts[..., None] * contrast
     half = np.maximum(stdtrit(_DEGREES_OF_FREEDOM, (1 + level) / 2) * errors, overlooked)
     return values - half, values + half
 
 
-def _contrast(values: NDArray[np.float64], eye: Eye) -> NDArray[np.float64]:
-    """The largest less the smallest of what each and its neighbours have, (K, N, C)."""
+def _contrast(
+    values: NDArray[np.float64], variance: NDArray[np.float64], eye: Eye
+) -> NDArray[np.float64]:
+    """How different what none of an ommatidium's rays met may be from what they did, by the
+    responses and variances of single rays of itself and its neighbours, all (K, N, C)."""
     from scipy.spatial import cKDTree
 
     axis, eye_id = np.asarray(eye.axis, np.float64), np.asarray(eye.eye_id)
@@ -89,7 +97,15 @@ def _contrast(values: NDArray[np.float64], eye: Eye) -> NDArray[np.float64]:
         near = tree.query_ball_point(axis[members], reach)
         first = np.cumsum([0, *map(len, near[:-1])])
         around = members[np.concatenate(near).astype(np.int64)]
-        for pose, of_pose in zip(contrast, values, strict=True):
+        count = np.diff([*first, len(around)])[:, None]
+        for pose, of_pose, of_rays in zip(contrast, values, variance, strict=True):
             seen = of_pose[around]
-            pose[members] = np.maximum.reduceat(seen, first) - np.minimum.reduceat(seen, first)
+            least, most = np.minimum.reduceat(seen, first), np.maximum.reduceat(seen, first)
+            # A target of radiance C that k of n rays met adds k C / n to a response and k C^2 / n
+            # to its rays' variance, however few of them met it.
+            total = np.add.reduceat(seen, first)
+            beside = np.minimum(total - count * least, count * most - total)
+            scatter = np.add.reduceat(of_rays[around], first)
+            by_rays = np.divide(scatter, beside, out=np.zeros_like(scatter), where=beside > 0)
+            pose[members] = np.maximum(most - least, by_rays)
     return contrast
