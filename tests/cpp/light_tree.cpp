@@ -135,13 +135,16 @@ TEST(LightTree, StrongOnesThatSendNothingLeaveTheOthersAlone) {
   std::vector<TreeLight> weak;
   for (int i = 0; i < 40; ++i)
     weak.push_back(tree_light({random.uniform(-60, 60), 4, random.uniform(-60, 60)}, 1));
-  for (const bool below : {false, true}) {
+  struct Strong {
+    int count;
+    bool up;  // by their cone, else below the ground
+  };
+  for (const Strong strong : {Strong{1, true}, {9, true}, {2, false}}) {
     std::vector<TreeLight> all = weak;
-    all.push_back(tree_light({-20, below ? -2.0 : 3.0, 5}, 500));
-    if (below)
-      all.push_back(tree_light({30, -2, 5}, 500));
-    else  // one alone: of a place below the box around several their cones tell nothing
-      all.back().axis = {0, 1, 0}, all.back().reach_rad = 0.5;
+    for (int i = 0; i < strong.count; ++i) {
+      all.push_back(tree_light({-20.0 + 50 * (i % 3), strong.up ? 3.0 : -2.0, 5.0 * i}, 500));
+      if (strong.up) all.back().axis = {0, 1, 0}, all.back().reach_rad = 0.5;
+    }
     const LightTree tree = make_light_tree(all), without = make_light_tree(weak);
     for (int k = 0; k < 50; ++k) {
       const LitPoint place{{static_cast<float>(random.uniform(-50, 50)), 0,

@@ -33,21 +33,29 @@ struct LitPoint {
   float rise_m = 0;  // of rays that leave the surface: lights below where they begin are not above
 };
 
+// How far along a direction from a position a node's box reaches, m.
+OMMA_HD float farthest_along(const LightNode& node, Vec3 position, Vec3 direction) {
+  const auto farthest = [](float along, float lower, float upper) {
+    return fmaxf(along * lower, along * upper);
+  };
+  const Vec3 lower = node.lower - position, upper = node.upper - position;
+  return farthest(direction.x, lower.x, upper.x) + farthest(direction.y, lower.y, upper.y) +
+         farthest(direction.z, lower.z, upper.z);
+}
+
 // Whether a node's box is, in part at least, where a point takes light from.
 OMMA_HD bool is_above(const LightNode& node, const LitPoint& at) {
-  const auto highest = [](float normal, float lower, float upper) {
-    return fmaxf(normal * lower, normal * upper);
-  };
-  const Vec3 lower = node.lower - at.position, upper = node.upper - at.position, n = at.normal;
-  return !(highest(n.x, lower.x, upper.x) + highest(n.y, lower.y, upper.y) +
-               highest(n.z, lower.z, upper.z) <
-           at.rise_m);
+  return !(farthest_along(node, at.position, at.normal) < at.rise_m);
 }
 
 // Whether a position may be in the cones of a node's lights: as seen from the middle of the box it
-// is off their axis by less than their reach and what half the box seems wide from there.
+// is off their axis by less than their reach and what half the box seems wide from there. What
+// reaches no farther than a right angle (1e-5: cosines in single precision) sends nothing to a
+// position that the whole box is ahead of along the axis.
 OMMA_HD bool is_in_cones(const LightNode& node, Vec3 position) {
   if (!(node.cos_reach > -1.0f)) return true;
+  if (node.cos_reach > -1e-5f && farthest_along(node, position, node.axis * -1.0f) < 0.0f)
+    return false;
   const Vec3 half = (node.upper - node.lower) * 0.5f, from = position - (node.lower + half);
   const float radius_2 = dot(half, half), distance_2 = dot(from, from);
   if (!(distance_2 > radius_2)) return true;

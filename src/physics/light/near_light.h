@@ -27,14 +27,15 @@ OMMA_HD LightKinds choose_kinds(const LightView& light, const LitPoint& at,
                                 bool sample_each = false) {
   const KindView kinds[3] = {sample_each ? KindView{} : light.from_afar, light.from_lamps,
                              light.from_surfaces};
-  const int present = (kinds[0].all > 0.0f) + (kinds[1].all > 0.0f) + (kinds[2].all > 0.0f);
+  const float far_too = sample_each && light.from_afar.all > 0.0f ? 1.0f : 0.0f;
+  const auto is_present = [&](int k) { return kinds[k].all > 0.0f ? 1.0f : 0.0f; };
+  if (is_present(0) + is_present(1) + is_present(2) < 2.0f)
+    return {is_present(0) + far_too, is_present(1), is_present(2)};
   float here[3] = {};
-  for (int k = 0; k < 3; ++k)
-    if (kinds[k].all > 0.0f) here[k] = mean_cosine;
-  if (present > 1) {
-    if (here[1] > 0.0f) here[1] = eval_lamps(light, from_lamps(light, at));
-    if (here[2] > 0.0f) here[2] = mean_cosine * eval_light_node(light.emissive_tree.nodes[0], at);
-  }
+  if (kinds[0].all > 0.0f) here[0] = mean_cosine;
+  if (kinds[1].all > 0.0f) here[1] = eval_lamps(light, from_lamps(light, at));
+  if (kinds[2].all > 0.0f)
+    here[2] = mean_cosine * eval_light_node(light.emissive_tree.nodes[0], at);
   float share[3] = {}, bands = 0;
   for (int b = 0; b < light.bands; ++b) {
     float sent[3] = {};
@@ -49,8 +50,7 @@ OMMA_HD LightKinds choose_kinds(const LightView& light, const LitPoint& at,
   const auto probability = [&](int k) {
     return share[k] > 0.0f ? in_part_evenly(share[k] / bands, lit) : 0.0f;
   };
-  const bool far_too = sample_each && light.from_afar.all > 0.0f;
-  return {far_too ? 1.0f : probability(0), probability(1), probability(2)};
+  return {probability(0) + far_too, probability(1), probability(2)};
 }
 
 // Towards a lamp or a surface that shines, of the kinds' probabilities; `numbers.which`: less that
