@@ -1,5 +1,5 @@
-// Flattens a validated Light for the physics: lamps, surfaces that shine, and what each kind of
-// light sends. Light from afar: backend/sky_data.
+// Flattens a validated Light for the physics: lamps, and what each kind of light sends. Light from
+// afar: backend/sky_data; surfaces that shine: backend/emissive_data.
 #include "backend/light_data.h"
 
 #include <algorithm>
@@ -9,14 +9,13 @@
 #include <string>
 #include <utility>
 
+#include "backend/emissive_data.h"
 #include "backend/light_aims.h"
 #include "backend/sky_data.h"
 #include "light/bands.h"
 #include "light/check_light.h"
 #include "model/scene_light.h"
 #include "omma/error.h"
-#include "physics/surface/surface.h"
-#include "threads/parallel.h"
 
 namespace omma {
 namespace {
@@ -102,129 +101,6 @@ std::vector<double> make_lamps(LightData& data, const Light& light, const Scene&
   }
   for (std::size_t i = 0; i < data.lamps.size(); ++i)
     data.lamps[i].strength = data.lamp_strength.data() + i * sent.size();
-  return sent;
-}
-
-// The corners of a triangle in the mesh's own frame.
-std::array<Vec3d, 3> corners_of(const MeshView& view, std::size_t triangle) {
-  std::array<Vec3d, 3> corner;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float* p =
-        view.positions + 3 * static_cast<std::size_t>(view.triangles[3 * triangle + k]);
-    corner[k] = {p[0], p[1], p[2]};
-  }
-  return corner;
-}
-
-// Area times emission, summed over bands, of each triangle in the mesh's own frame. A texture is
-// read as wide as the triangle, at its middle; as that may miss what is bright, no triangle counts
-// for less than a twentieth of what it is without the texture.
-std::vector<double> triangle_powers(const SceneView& scene, std::int32_t mesh,
-                                    std::size_t triangles, const std::array<double, 3>& of_rgb) {
-  const MeshView& view = scene.meshes[mesh];
-  const Vec3 factor = scene.materials[view.material].emissive;
-  const auto total = [&](float r, float g, float b) {
-    return of_rgb[0] * static_cast<double>(r) + of_rgb[1] * static_cast<double>(g) +
-           of_rgb[2] * static_cast<double>(b);
-  };
-  const double least = 0.05 * total(factor.x, factor.y, factor.z);
-  std::vector<double> powers(triangles);
-  parallel_for(std::size_t{0}, triangles, [&](std::size_t t) {
-    const std::array<Vec3d, 3> corner = corners_of(view, t);
-    const double area = length(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
-    const Color<float> c = emitted_rgb(
-        scene, view,
-        SurfacePoint<float, std::int32_t>{static_cast<std::int32_t>(t), 1.0f / 3, 1.0f / 3,
-                                          static_cast<float>(std::sqrt(area))});
-    powers[t] = area * std::max(total(c.r, c.g, c.b), least);
-  });
-  return powers;
-}
-
-// Places on a triangle, chosen evenly, vary by a twelfth of its corners' squared distances from its
-// middle, summed.
-LightTree make_triangle_tree(const MeshView& view, const std::vector<double>& powers) {
-  std::vector<TreeLight> lights(powers.size());
-  parallel_for(std::size_t{0}, powers.size(), [&](std::size_t t) {
-    const std::array<Vec3d, 3> corner = corners_of(view, t);
-    const Vec3d middle = (corner[0] + corner[1] + corner[2]) * (1.0 / 3);
-    TreeLight& light = lights[t] = tree_light(middle, powers[t]);
-    for (const Vec3d& at : corner) {
-      light.box = box_around(light.box, {at, at, false});
-      light.variance_m2 += dot(at - middle, at - middle) / 12;
-    }
-  });
-  return make_light_tree(lights);
-}
-
-// Meshes that shine, as their instances are placed.
-std::vector<TreeLight> placed_emissive(const LightData& data, const float* frame_from_mesh) {
-  std::vector<TreeLight> lights;
-  for (std::size_t e = 0; e < data.emissive.size(); ++e) {
-    const float* from =
-        frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(data.emissive[e].instance);
-    Mat4 placed;
-    double squares = 0;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c) {
-        placed.m[r][c] = static_cast<double>(from[4 * r + c]);
-        if (c < 3) squares += placed.m[r][c] * placed.m[r][c];
-      }
-    const TreeLight& own = data.triangle_tree.at(data.emissive[e].mesh).all;
-    // Areas grow with the mean square of the scales of the axes.
-    lights.push_back({placed_box(own.box, placed), transform_point(placed, own.centre_m),
-                      own.variance_m2 * squares / 3, data.emissive_weight[e]});
-  }
-  return lights;
-}
-
-// The same of surfaces.
-std::vector<double> make_emissive(LightData& data, const Light& light, const Scene& scene,
-                                  const Placement& placement, const SceneView& view,
-                                  double distance_m) {
-  std::vector<double> sent(light.bands.count(), 0.0);
-  std::map<std::int32_t, double> power_of_mesh;
-  data.emissive_of_instance.assign(scene.instances.size(), -1);
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const std::int32_t mesh = scene.instances[i].mesh;
-    const std::size_t triangles = scene.meshes[static_cast<std::size_t>(mesh)].triangles.size();
-    const std::int32_t material = view.meshes[mesh].material;
-    const float* matrix = view.scatter[material].emission;
-    if (triangles == 0 || matrix == nullptr) continue;
-    std::array<double, 3> of_rgb{};
-    for (std::size_t k = 0; k < 3 * sent.size(); ++k)
-      of_rgb[k % 3] += static_cast<double>(matrix[k]);
-    const auto [known, is_new] = power_of_mesh.try_emplace(mesh, 0.0);
-    if (is_new) {
-      std::vector<double> powers = triangle_powers(view, mesh, triangles, of_rgb);
-      known->second = sum_of(powers);
-      if (known->second > 0) {
-        data.triangle_tree[mesh] = make_triangle_tree(view.meshes[mesh], powers);
-        data.triangle_powers[mesh] = std::move(powers);
-      }
-    }
-    if (!(known->second > 0)) continue;
-    data.emissive_of_instance[i] = static_cast<std::int32_t>(data.emissive.size());
-    data.emissive.push_back({static_cast<std::int32_t>(i), mesh, data.triangle_tree[mesh].view()});
-    // Areas grow about as the square of the mean scale. A surface of area A and radiance L sends
-    // pi A L, or A L / 4 to each direction in the mean.
-    const double det = std::fabs(determinant(placement.world_from_mesh[i]));
-    const double sides = view.materials[material].double_sided ? 2 : 1;
-    const double seen =
-        sides * known->second * std::pow(det, 2.0 / 3) / (4 * distance_m * distance_m);
-    data.emissive_weight.push_back(seen);
-    const Vec3 factor = view.materials[material].emissive;
-    const double all = of_rgb[0] * static_cast<double>(factor.x) +
-                       of_rgb[1] * static_cast<double>(factor.y) +
-                       of_rgb[2] * static_cast<double>(factor.z);
-    for (std::size_t b = 0; b < sent.size(); ++b) {
-      const float* row = matrix + 3 * b;
-      sent[b] += seen *
-                 static_cast<double>(row[0] * factor.x + row[1] * factor.y + row[2] * factor.z) /
-                 all;
-    }
-  }
-  data.emissive_tree = make_light_tree(placed_emissive(data, view.frame_from_mesh));
   return sent;
 }
 
@@ -340,11 +216,6 @@ void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m) {
   };
   view.first_column = first(origin_m.x, clouds.first_x_m, clouds.columns);
   view.first_row = first(origin_m.z, clouds.first_z_m, clouds.rows);
-}
-
-void place_emissive(LightData& data, const float* frame_from_mesh) {
-  if (data.emissive.size() > 1)
-    place_lights(data.emissive_tree, placed_emissive(data, frame_from_mesh));
 }
 
 std::vector<float> make_emission_matrix(const Light& light, const Material& material) {

@@ -74,9 +74,6 @@ void scale_to_radiance_unit(LightData& data);
 // the traced one.
 void place_lamps(LightData& data, const Scene& scene, Vec3d origin_m);
 
-// Surfaces that shine are where the frames of their instances are now, as SceneView has these.
-void place_emissive(LightData& data, const float* frame_from_mesh);
-
 // What linear RGB of a material's emissive factor times texture is in each band, [band][3], in the
 // light's unit (ScatterView::emission); empty where it does not shine.
 std::vector<float> make_emission_matrix(const Light& light, const Material& material);

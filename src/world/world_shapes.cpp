@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "backend/emissive_data.h"
 #include "model/animation.h"
 #include "model/deform.h"
 #include "model/pose_check.h"
@@ -105,9 +106,8 @@ Animated animated_of(const Scene& scene, const Things& things) {
   // Bones place what they bend, wherever its own node is.
   std::unordered_map<int, int> thing_of_node;
   for (std::size_t thing = 0; thing < things.count(); ++thing) {
-    const Instance& instance =
-        scene.instances[static_cast<std::size_t>(things.instance[static_cast<std::size_t>(
-            things.first[thing])])];
+    const Instance& instance = scene.instances[static_cast<std::size_t>(
+        things.instance[static_cast<std::size_t>(things.first[thing])])];
     if (instance.node >= 0 && !is_bent[static_cast<std::size_t>(instance.mesh)])
       thing_of_node[instance.node] = static_cast<int>(thing);
   }
@@ -201,8 +201,7 @@ void World::set_vertices(int mesh, std::span<const Vec3> positions, std::span<co
       throw Error("normals: expected none, as the mesh has no normals of vertices");
     check_vectors("normals", normals, own);
     for (std::size_t i = 0; i < normals.size(); ++i)
-      if (normals[i] == Vec3{0, 0, 0})
-        throw Error("normals[" + std::to_string(i) + "]: is zero");
+      if (normals[i] == Vec3{0, 0, 0}) throw Error("normals[" + std::to_string(i) + "]: is zero");
     shape.normals.assign(normals.begin(), normals.end());
   } else if (!own.normals.empty()) {
     shape.normals = normals_of(shape.positions, own.triangles, own.normals);

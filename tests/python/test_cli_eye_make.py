@@ -147,10 +147,15 @@ def test_mirror_place_scale_join(omma_eye):
 
 
 def test_what_an_eye_file_loses_is_said(omma_eye):
-    code, out, err = omma_eye("make", 40, "-o", "a.eye")
-    assert (code, out.count("wrote")) == (0, 1)
-    assert err.startswith("omma: warning: a.eye: lost: facet diameters")
-    assert err.count("\n") == 1
+    with pytest.warns(UserWarning, match="a.eye: lost: facet diameters") as told:
+        code, out, _ = omma_eye("make", 40, "-o", "a.eye")
+    assert (code, out.count("wrote"), len(told)) == (0, 1, 1)
+
+
+def test_an_eye_of_half_a_metre_is_said(omma_eye):
+    with pytest.warns(UserWarning, match=r"semi-axis of 0\.5 m is no animal's eye"):
+        code, _, _ = omma_eye("make", 40, "--radius-mm", 500, "-o", "a.csv")
+    assert code == 0
 
 
 @pytest.mark.parametrize(

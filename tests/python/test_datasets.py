@@ -316,7 +316,7 @@ def test_eyes_of_different_sizes_have_groups(tmp_path):
     assert len(datasets.open_views(store, ["response"], eye="fly")) == 3
 
 
-def test_a_contact_sheet_speaks_of_hatching_where_there_is_some(tmp_path):
+def test_a_contact_sheet_speaks_of_grey_where_there_is_some(tmp_path):
     half = tmp_path / "half"
     half.mkdir()
     job = write_job(half, count=2)
@@ -326,7 +326,7 @@ def test_a_contact_sheet_speaks_of_hatching_where_there_is_some(tmp_path):
     datasets.run(job)
     datasets.contact_sheet(tmp_path / "sheet.svg", half / "job.zarr", 2)
     said = svg_texts(tmp_path / "sheet.svg")
-    assert any("Hatched: no ommatidium looks there" in words for words in said)
+    assert any("Grey: no ommatidium looks there" in words for words in said)
 
 
 def test_a_contact_sheet_has_each_eye_in_a_border():

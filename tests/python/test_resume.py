@@ -293,8 +293,10 @@ def test_killed_in_the_command_line(folder, number):
         assert process.poll() is None, process.stderr.read()
         time.sleep(0.001)
     process.send_signal(number)
-    process.communicate(timeout=60)
+    _, said = process.communicate(timeout=60)
     assert process.returncode != 0
+    if number != signal.SIGKILL:
+        assert re.search(r"interrupted.*poses are kept; the same command goes on", said)
     assert (folder / "out.npy.partial").exists()
     again = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "resumed at pose" in again.stdout

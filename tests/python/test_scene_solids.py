@@ -267,3 +267,12 @@ def test_nonsense_gives_errors_or_finite_solids(size, radius, place):
     ):
         with contextlib.suppress(omma.Error, TypeError):
             assert np.isfinite(make().bounds).all()
+
+
+@pytest.mark.parametrize("solid", [box, sphere, cylinder, plane, disc])
+def test_materials_are_paint(solid):
+    matt = omma.scene.Material("matt", base_color=(0.2, 0.3, 0.4), specular=0)
+    assert set(solid(paint=matt).materials) == {matt}
+    textured = matt.replace(emissive_texture=0)
+    with pytest.raises(omma.Error, match=r"paint: .* without textures.*found emissive_texture"):
+        solid(paint=textured)

@@ -63,8 +63,9 @@ def one_of(value: Any, choices: Iterable[str], name: str, more: str = "") -> str
     known = list(choices)
     if isinstance(value, str) and value in known:
         return value
-    alike = difflib.get_close_matches(str(value), known, 1)
-    hint = f"; did you mean {alike[0]!r}?" if alike else ""
+    longer = [one for one in known if isinstance(value, str) and one.startswith(f"{value}_")]
+    alike = longer or difflib.get_close_matches(str(value), known, 1)
+    hint = f"; did you mean {' or '.join(map(repr, alike))}?" if alike else ""
     raise Error(f"{name}: expected one of {', '.join(known)}{more}, found {value!r:.60}{hint}")
 
 

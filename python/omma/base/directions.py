@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from omma._core import Error
 from omma.base.arguments import array_of, arrays_of, checked
 from omma.base.arrays import Floats
 
@@ -12,8 +13,16 @@ from omma.base.arrays import Floats
 @checked
 def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
     """Directions (..., 3) of length 1 in the head frame; azimuth 0 is ahead and grows to the
-    right."""
-    a, e = np.radians(arrays_of(azimuth_deg=azimuth_deg, elevation_deg=elevation_deg))
+    right. Elevations are -90 to 90.
+
+    Raises:
+        omma.Error: an elevation beyond these, or what is no number.
+    """
+    azimuth, elevation = arrays_of(azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+    beyond = np.abs(elevation) > 90 + 1e-6  # 90 is what rounding may leave a little more of
+    if beyond.any():
+        raise Error(f"elevation_deg: expected -90 to 90, found {elevation[beyond].flat[0]:.6g}")
+    a, e = np.radians(azimuth), np.radians(elevation)
     return np.stack([np.cos(e) * np.sin(a), np.sin(e), -np.cos(e) * np.cos(a)], axis=-1)
 
 

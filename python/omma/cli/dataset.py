@@ -225,4 +225,4 @@ def to_webdataset(
             views_per_file=views_per_file,
             progress=bar.fraction_of("Writing"),
         )
-    say(f"wrote {len(written)} files into {output}")
+    say(f"wrote {len(written)} file{'' if len(written) == 1 else 's'} into {output}")

@@ -12,7 +12,7 @@ from omma.base.files import check_ending
 from omma.cli.parameters import argument, option, out
 from omma.cli.working import check_outputs, say, warn
 from omma.eye.change import is_left, pair_of_eyes, place_on_head
-from omma.eye.files import EYE_SUFFIXES, eye_file_losses, save_eye
+from omma.eye.files import EYE_SUFFIXES, save_eye
 
 
 def eye_target(path: Path | None) -> Path | None:
@@ -35,8 +35,6 @@ UnitOption = Annotated[
 
 def save(path: Path, eye: Eye, unit: str) -> None:
     """Write an eye file and say what is in it."""
-    for loss in eye_file_losses(path, eye):
-        warn(f"{path}: lost: {loss}")
     save_eye(path, eye, unit, lossy=True)
     # What the file's next user wants to know, so that a wrong unit is seen at once.
     radius_mm = 1e3 * float(np.linalg.norm(eye.position_m.astype(np.float64), axis=1).mean())

@@ -114,7 +114,7 @@ def _show(name: str | None) -> None:
                 say(f"{animal} (numbers only: too few are known for its eyes)")
         return
     table = Table(title=name.replace("_", " "), title_justify="left")
-    for heading in ("quantity", "value", "standing", "source", "note"):
+    for heading in ("quantity", "value", "status", "source", "note"):
         table.add_column(heading, overflow="fold")
     for fact in species.facts(name):
         quantity = fact.quantity.replace("_", " ")

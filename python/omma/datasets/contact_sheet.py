@@ -41,7 +41,8 @@ _MEANT = (
     "Azimuth −180° to 180° from left to right, straight ahead in the middle; elevation 90° to −90° "
     "from the top down."
 )
-_HATCHED = " Hatched: no ommatidium looks there."
+_GREY = " Grey: no ommatidium looks there."
+_UNSEEN = 218  # grey level; hatching would be the first thing one sees of pictures so small
 _NAMED = ("scene", "condition", "pose_set", "pose")
 
 
@@ -57,7 +58,7 @@ def contact_sheet(
     """Draw some views of a data set on one sheet, chosen at random, each with what it is of; their
     numbers, (count,), ascending.
 
-    The default picture of `omma.picture.project`: all directions by azimuth and elevation, hatched
+    The default picture of `omma.picture.project`: all directions by azimuth and elevation, but grey
     where no ommatidium looks; where eyes are apart, L is the left and R the right one. Responses
     in bands of light are shown as people see them, in the light of the view's condition.
 
@@ -90,8 +91,10 @@ def contact_sheet(
     ]
     known = read_manifest(views.store)["names"]
     height, width = _bordered(pictures[0]).shape[:2]
-    down = -(-len(chosen) // _ACROSS)
-    across_mm = _WIDTH_MM / _ACROSS
+    # As many side by side as leave the fewest places empty.
+    across = min((_ACROSS, _ACROSS - 1), key=lambda columns: (-len(chosen) % columns, -columns))
+    down = -(-len(chosen) // across)
+    across_mm = _WIDTH_MM / across
     with figure_style(7.0):
         row_mm = across_mm * height / width + 7
         figure = make_figure(
@@ -100,8 +103,8 @@ def contact_sheet(
         name = views.store.rstrip("/").rsplit("/", 1)[-1]
         title = f"{len(chosen)} of {len(views):,} views, eye {views.eye}, of {name}"
         figure.suptitle(plain(title))
-        figure.supxlabel(_MEANT + (_HATCHED if _leaves_gaps(head) else ""))
-        axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
+        figure.supxlabel(_MEANT + (_GREY if _unseen(head).any() else ""))
+        axes = figure.subplots(down, across, squeeze=False).ravel()
         for one in axes:
             one.axis("off")
             one.set_anchor("N")  # below its own title, not above the next
@@ -113,7 +116,7 @@ def contact_sheet(
                 )
             _show(axes[k], picture)
             view = f"view {views.numbers[chosen[k]]}: {scene}, {condition}"
-            axes[k].set_title(plain(f"{view}\n{pose_set} {numbers[3]}"), loc="left")
+            axes[k].set_title(plain(f"{view}\npose {numbers[3]} of {pose_set}"), loc="left")
         save_figure(figure, names)
     return views.numbers[chosen]
 
@@ -143,18 +146,23 @@ def _bordered(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _picture(eye: Eye, response: NDArray[np.float32], light: Light | None) -> NDArray[Any]:
     if light is None:
-        return project(eye, np.ascontiguousarray(response), width=_PIXELS)
+        return _projected(eye, response)
     if not np.any(sum(light.irradiance())):
         # By lamps alone: the brightest that is seen is white, but for a few.
         light = uniform_sky(np.percentile(response, 98), bands=light.bands, unit=light.unit)
-    shown = bands_to_rgb(response, light)
-    return project(eye, np.ascontiguousarray(shown), width=_PIXELS)
+    return _projected(eye, bands_to_rgb(response, light))
 
 
-def _leaves_gaps(eye: Eye) -> bool:
-    """Whether there are directions on the sheet where no ommatidium looks."""
+def _projected(eye: Eye, response: NDArray[np.float32]) -> NDArray[np.uint8]:
+    picture = project(eye, np.ascontiguousarray(response), width=_PIXELS)
+    picture[_unseen(eye)] = _UNSEEN
+    return picture
+
+
+def _unseen(eye: Eye) -> NDArray[np.bool_]:
+    """Where on a picture no ommatidium looks."""
     nothing = np.zeros((len(eye), 3), np.float32)
-    return bool(np.isnan(project(eye, nothing, width=_PIXELS, linear=True)).any())
+    return np.isnan(project(eye, nothing, width=_PIXELS, linear=True)).any(axis=-1)
 
 
 def _eye(views: Views) -> Eye:

@@ -143,8 +143,8 @@ def made_told(eye: Eye, name: str) -> Eye:
 def changed_told(before: Eye, changed: Eye) -> Eye:
     """The changed eye; the caller of the package is told which of its numbers no animal has, as
     where an eye is made, but for those that it had before."""
-    known = _core.unusual_of(before)
-    for sentence in _core.unusual_of(changed):
+    known = slips_in(before)
+    for sentence in slips_in(changed):
         if sentence not in known:
             warn_caller(f"{changed.path or 'eye'}: {sentence}", UserWarning)
     return changed
@@ -234,8 +234,13 @@ def save_eye(path: PathLike, eye: Eye, unit: str | float = "mm", *, lossy: bool 
     Raises:
         omma.Error: another ending; the file cannot be written; it cannot hold all of the eye and
             ``lossy`` is not said: the error names what would be lost.
+
+    Warns:
+        UserWarning: for each thing that is lost.
     """
     _core.save_eye(expect_local(path, "an eye"), eye, metres_per_unit(unit), lossy)
+    for loss in eye_file_losses(path, eye):
+        warn_caller(f"{os.fsdecode(path)}: lost: {loss}", UserWarning)
 
 
 @checked

@@ -131,6 +131,9 @@ def sphere(radius_m: float, center_m: Sequence[float] = (0.0, 0.0, 0.0)) -> Elli
 
     Raises:
         omma.Error: a radius that is not above 0, a centre that is none.
+
+    Warns:
+        UserWarning: a radius that no animal's eye has.
     """
     return ellipsoid((radius_m, radius_m, radius_m), center_m)
 
@@ -144,10 +147,19 @@ def ellipsoid(
 
     Raises:
         omma.Error: lengths that are not above 0, a centre that is none.
+
+    Warns:
+        UserWarning: a semi-axis that no animal's eye has.
     """
     lengths = array_of(semi_axes_m, "semi_axes_m", (3,)).tolist()
     centre = array_of(center_m, "center_m", (3,)).tolist()
-    return Ellipsoid((lengths[0], lengths[1], lengths[2]), (centre[0], centre[1], centre[2]))
+    made = Ellipsoid((lengths[0], lengths[1], lengths[2]), (centre[0], centre[1], centre[2]))
+    for length in sorted({length for length in lengths if not _is_of_an_eye(length)}):
+        warn_caller(
+            f"a semi-axis of {length:.3g} m is no animal's eye; eyes have radii of 1 µm to 10 cm",
+            UserWarning,
+        )
+    return made
 
 
 @checked
@@ -186,15 +198,21 @@ def load_surface(path: PathLike, unit: str | float = "mm") -> Mesh:
         raise Error(f"{name}: {error}") from None
     used = mesh.vertices[mesh.triangles].reshape(-1, 3)
     radius_m = float(np.ptp(used, axis=0).max()) / 2
-    try:
-        _core.expect_eye_radius("radius", radius_m, False)
-    except Error:
+    if not _is_of_an_eye(radius_m):
         warn_caller(
             f"{name}: {2 * radius_m:.3g} m along its longest side is no animal's eye, with unit "
             f"{unit!r}; eyes have radii of 1 µm to 10 cm",
             UserWarning,
         )
     return mesh
+
+
+def _is_of_an_eye(radius_m: float) -> bool:
+    try:
+        _core.expect_eye_radius("radius", radius_m, False)
+    except Error:
+        return False
+    return True
 
 
 class Mesh:

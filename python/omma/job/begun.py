@@ -131,7 +131,7 @@ def view_of(begun: Begun) -> View:
     if job.receptors and len(head.receptor_type) == 0:
         raise Error(
             f"{head.path or 'eye'}: expected receptors, found none (.csv eyes can have them, "
-            "omma.receptors.assign_receptors makes them)"
+            "`omma eye species` writes such, omma.receptors.assign_receptors makes them)"
         )
     view = View(head, files, *_poses(begun))
     check_series(begun.names, len(view.poses), [*input_files(job), *files])

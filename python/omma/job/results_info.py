@@ -84,7 +84,7 @@ def _describe(name: str, data: xarray.Dataset) -> Lines:
             low, high = places.min(axis=0), places.max(axis=0)
             lines.append(("positions", f"{place_words(low)} to {place_words(high)} m"))
     if not data.attrs:
-        return [*lines, ("story", "none: the file does not say how it was made")]
+        return [*lines, ("provenance", "none: the file does not say how it was made")]
     said = Said(data.attrs, name)
     if version := said.take("omma_version", is_text, ""):
         made = f"{said.take('created', is_text, '')} by Omma {version}, "
@@ -117,7 +117,7 @@ def _describe_array(name: str) -> Lines:
     lines = [("array", name), ("shape", f"{shape}, {array.dtype}")]
     if array.dtype.kind in "biuf" and array.size:
         lines.append(("range", f"{array.min():.4g} to {array.max():.4g}"))
-    return [*lines, ("story", f"none: there is no {beside(name)}")]
+    return [*lines, ("provenance", f"none: there is no {beside(name)}")]
 
 
 def _state(check: Callable[..., None], said: Said, *files: Any) -> str:

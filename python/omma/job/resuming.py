@@ -60,9 +60,15 @@ class KeptRender:
 
     @contextmanager
     def telling(self, poses: int) -> Iterator[None]:
-        """Errors say how many of the poses are kept."""
+        """Errors say how many of the poses are kept, and so does Ctrl-C."""
         try:
             yield
+        except KeyboardInterrupt as error:
+            # As add_note, which Python has from 3.11 on.
+            error.__notes__ = [  # type: ignore[attr-defined]
+                f"{self.saved:,} of {poses:,} poses are kept; the same command goes on"
+            ]
+            raise
         except Error as error:
             raise Error(
                 f"{error}. {self.saved:,} of {poses:,} poses are kept; mend that and run the same "

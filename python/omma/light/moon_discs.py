@@ -32,7 +32,12 @@ def moon_discs(
     middle = direction(azimuth_deg, elevation_deg)
     if bright_limb_deg is None:
         return (_disc(middle, MOON_RADIUS_RAD, facing),)
-    up = direction(azimuth_deg, elevation_deg + 90)
+    # A quarter turn up, which is one down and back where it leads past the zenith.
+    up = (
+        direction(azimuth_deg, elevation_deg + 90)
+        if elevation_deg < 0
+        else -direction(azimuth_deg, elevation_deg - 90)
+    )
     right = np.cross(middle, up)
     turn = np.radians(bright_limb_deg)
     to_limb = np.cos(turn) * up + np.sin(turn) * right

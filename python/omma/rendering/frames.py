@@ -94,8 +94,8 @@ def render(
         standard_error: return (responses, errors), errors the standard error of each response.
             It comes from 8 independent scrambles, so 8 times the rays are traced and the
             response is their mean; with `ToError` it is estimated from the rays as they
-            are. Where all rays miss something it is too small: `confidence_interval` gives
-            bounds that heed the neighbours.
+            are. Where all rays miss something it is too small:
+            `omma.study.confidence_interval` gives bounds that heed the neighbours.
         report: return (responses, report) with `ToError`: rays spent, estimated
             standard errors, and who did not reach the error, see `SamplingReport`.
         out: a C-contiguous float32 (P, N, C) array of the caller's to write into, NumPy's or

@@ -13,8 +13,8 @@ from omma.base.arguments import array_of
 from omma.base.orientation import upright_picture
 from omma.base.pixels import check_picture
 
-# A linear colour (r, g, b) or (r, g, b, a), or a picture: an `Image`, an array (height, width, 3 or
-# 4), or the path of a file, which is turned as its EXIF says.
+# A linear colour (r, g, b) or (r, g, b, a); a `Material` without textures; or a picture: an
+# `Image`, an array (height, width, 3 or 4), or the path of a file, turned as its EXIF says.
 Paint = Any
 
 Surface = tuple[NDArray[np.float64], NDArray[np.integer], NDArray[np.float64]]
@@ -41,18 +41,22 @@ def painted_scene(
     materials: list[Material] = []
     images: list[Image] = []
     for argument, (positions, triangles, coordinates), paint in surfaces:
-        color, image = color_or_image(paint, argument)
-        if image is not None:
-            images.append(image)
-        materials.append(
-            Material(
-                name,
-                base_color=color,
-                base_color_texture=None if image is None else len(images) - 1,
-                alpha_mode="blend" if color[3] < 1 else "opaque",
-                double_sided=double_sided,
+        image = None
+        if isinstance(paint, Material):
+            materials.append(_without_textures(paint, argument))
+        else:
+            color, image = color_or_image(paint, argument)
+            if image is not None:
+                images.append(image)
+            materials.append(
+                Material(
+                    name,
+                    base_color=color,
+                    base_color_texture=None if image is None else len(images) - 1,
+                    alpha_mode="blend" if color[3] < 1 else "opaque",
+                    double_sided=double_sided,
+                )
             )
-        )
         # What is beyond the range of float32 becomes infinite, which a mesh refuses.
         with np.errstate(over="ignore"):
             mesh = Mesh(
@@ -88,6 +92,17 @@ def point(value: Any, name: str) -> NDArray[np.float64]:
     return found
 
 
+def _without_textures(material: Material, name: str) -> Material:
+    for attribute in dir(material):
+        if attribute.endswith("_texture") and getattr(material, attribute) is not None:
+            raise Error(
+                f"{name}: expected a material without textures, as there are no images beside it; "
+                f"found {attribute}. Put it into the scene: replace(materials=, images=, "
+                "textures=)"
+            )
+    return material
+
+
 def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | None]:
     """The linear RGBA that a paint multiplies, and the image where it is a picture."""
     white = (1.0, 1.0, 1.0, 1.0)
@@ -108,8 +123,8 @@ def color_or_image(paint: Paint, name: str) -> tuple[tuple[float, ...], Image | 
         return white, made
     if given.shape not in ((3,), (4,)):
         raise Error(
-            f"{name}: expected a colour (r, g, b), or a picture of shape (height, width, 3 or 4), "
-            f"or (height, width) of greys, found shape {given.shape}"
+            f"{name}: expected a colour (r, g, b), a material, or a picture of shape (height, "
+            f"width, 3 or 4), or (height, width) of greys, found shape {given.shape}"
         )
     color = [float(value) for value in given]
     if not (np.isfinite(color).all() and min(color) >= 0):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omma._core import Error, Scene
+from omma._core import Error, Material, Scene
 from omma.base.arguments import array_of, checked, positive, whole
 from omma.scene.paint import Paint, Surface, color_or_image, painted_scene, point
 
@@ -27,9 +27,10 @@ def box(
 
     Args:
         size_m: (3,), along x, y and z.
-        paint: a linear colour (r, g, b) or (r, g, b, a), or a picture: an `Image`, the path of one,
-            or an array (height, width, 3 or 4), uint8 sRGB or float linear. Each side shows the
-            picture once, upright: +Y is up, on top and below -Z.
+        paint: a linear colour (r, g, b) or (r, g, b, a); a `Material` without textures; or a
+            picture: an `Image`, the path of one, or an array (height, width, 3 or 4), uint8 sRGB
+            or float linear. Each side shows the picture once, upright: +Y is up, on top and below
+            -Z.
         center_m: (3,), where its middle is.
         name: of the instance.
 
@@ -131,7 +132,7 @@ def cylinder(
         positions, triangles, coordinates = _polygon(radius, around, np.array([0.0, sign, 0.0]))
         ends.append((positions + (0, sign * height / 2, 0), triangles, coordinates))
     if caps is None:
-        caps, _ = color_or_image(paint, "paint")
+        caps = paint if isinstance(paint, Material) else color_or_image(paint, "paint")[0]
     surfaces = [
         ("paint", tube(radius, height, around, inward=False), paint),
         ("caps", _joined(ends), caps),
@@ -150,8 +151,8 @@ def plane(
 ) -> Scene:
     """A rectangle, seen from both sides; ground, unless it faces elsewhere.
 
-    A `Material` of your own in place of its paint is seen from behind, and casts a shadow there,
-    with ``double_sided=True`` only.
+    Painted with a `Material` of your own it is seen from behind, and casts a shadow there, with
+    ``double_sided=True`` only.
 
     Args:
         size_m: (2,), to the right and upwards as seen from in front. Up is +Y, or -Z where it faces
@@ -182,7 +183,7 @@ def disc(
 ) -> Scene:
     """A flat disc, seen from both sides: a target. It faces +Z, from where heads look along -Z.
 
-    For a `Material` of your own in place of its paint, see `plane`.
+    Painted with a `Material` of your own it is as a `plane` is.
 
     Args:
         radius_m: of its corners: it is a polygon.

@@ -160,7 +160,7 @@ def _csv(table: tuple[Fact, ...]) -> str:
 
 def _markdown(table: tuple[Fact, ...], with_animal: bool) -> str:
     head = ["animal"] if with_animal else []
-    head += ["quantity", "value", "standing", "source", "note"]
+    head += ["quantity", "value", "status", "source", "note"]
     lines = ["| " + " | ".join(head) + " |", "| " + " | ".join(["---"] * len(head)) + " |"]
     for fact in table:
         cells = [fact.animal.replace("_", " ")] if with_animal else []

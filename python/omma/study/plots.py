@@ -182,9 +182,11 @@ def save_speed_test(path: PathLike, found: SpeedTest) -> None:
     axes.loglog(rays, batch, "o-", ms=4, color=blue, label="Omma, all frames in one call")
     axes.loglog(rays, single, "o--", ms=4, color=blue, label="Omma, one call a frame", mfc="white")
     for shade, (label, speeds) in zip((_GREY, "0.7"), PUBLISHED_FRAMES_PER_S.items(), strict=True):
+        label = label.replace("(published)", "(published; 1,000 ommatidia)")
         axes.loglog(PUBLISHED_RAYS, speeds, "s-", ms=4, color=shade, label=label)
     axes.set_title(
-        f"{found.ommatidia:,} ommatidia\n{found.machine}, {found.threads} threads; {found.backend}",
+        f"Omma: {found.ommatidia:,} ommatidia\n"
+        f"{found.machine}, {found.threads} threads; {found.backend}",
         fontsize="medium",
     )
     _finish(axes)
@@ -231,7 +233,7 @@ def _finish(axes: Axes) -> None:
     """Plain numbers along logarithmic axes, and a legend."""
     axes.xaxis.set_major_formatter("{x:,g}")
     axes.yaxis.set_major_formatter("{x:,g}")
-    axes.legend()
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize="small")
 
 
 def _suffix(path: PathLike, *known: str) -> str:

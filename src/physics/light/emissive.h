@@ -18,26 +18,70 @@ OMMA_HD Vec3 cross_of(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+// One of the d^2 triangles that a triangle is divided into: a place with the barycentric weights
+// (a, b) there has (u + scale a, v + scale b) on the whole.
+struct Subtriangle {
+  float u = 0, v = 0, scale = 1;
+};
+
+// They are numbered row by row along v; those of row j, 2 (d - j) - 1, alternate between upright
+// ones (scale 1 / d) and inverted ones (-1 / d).
+OMMA_HD Subtriangle subtriangle(std::int32_t number, std::int32_t divisions) {
+  const std::int32_t left = divisions * divisions - number;
+  const auto rows = static_cast<std::int32_t>(ceilf(sqrtf(static_cast<float>(left))));
+  const std::int32_t row = divisions - rows, in_row = rows * rows - left;
+  const std::int32_t inverted = in_row & 1;
+  const float width = 1.0f / static_cast<float>(divisions);
+  return {static_cast<float>(in_row / 2 + inverted) * width,
+          static_cast<float>(row + inverted) * width, inverted != 0 ? -width : width};
+}
+
+// The number of that on which a place of a triangle is.
+OMMA_HD std::int32_t subtriangle_at(float u, float v, std::int32_t divisions) {
+  const auto along = [&](float x, std::int32_t most) {
+    const auto whole = static_cast<std::int32_t>(x * static_cast<float>(divisions));
+    return whole < most ? whole : most;
+  };
+  const std::int32_t row = along(v, divisions - 1), column = along(u, divisions - 1 - row);
+  const float beyond = (u + v) * static_cast<float>(divisions) - static_cast<float>(row + column);
+  const bool inverted = beyond > 1.0f && row + column + 1 < divisions;
+  return row * (2 * divisions - row) + 2 * column + (inverted ? 1 : 0);
+}
+
 // A triangle about the point from which it is seen, in the traced frame.
 struct LightTriangle {
   Vec3 corner[3];  // m, from the point
   Vec3 normal;     // not unit: twice the area; towards the side that is the front
   Vec3 unit[3];    // corners as directions
   float solid_angle_sr;
+  float reach_m;  // the largest coordinate of the whole triangle's corners
 };
 
-OMMA_HD LightTriangle see_triangle(const SceneView& scene, std::int32_t instance, std::int32_t mesh,
-                                   std::int32_t triangle, Vec3 from) {
-  const MeshView& view = scene.meshes[mesh];
+// Where triangles are divided, one of the parts of a triangle: its number among all of the mesh.
+OMMA_HD LightTriangle see_triangle(const SceneView& scene, const EmissiveView& emissive,
+                                   std::int32_t number, Vec3 from) {
+  const std::int32_t instance = emissive.instance, parts = emissive.divisions * emissive.divisions;
+  const std::int32_t triangle = number / parts;
+  const MeshView& view = scene.meshes[emissive.mesh];
   const float* m = scene.frame_from_mesh + 12 * static_cast<std::ptrdiff_t>(instance);
   LightTriangle seen;
+  seen.reach_m = 0;
   for (int k = 0; k < 3; ++k) {
     const std::ptrdiff_t vertex = view.triangles[3 * static_cast<std::ptrdiff_t>(triangle) + k];
     const float* own = view.positions + 3 * vertex;
     const auto row = [&](int r) {
       return m[4 * r] * own[0] + m[4 * r + 1] * own[1] + m[4 * r + 2] * own[2] + m[4 * r + 3];
     };
-    seen.corner[k] = Vec3{row(0), row(1), row(2)} - from;
+    const Vec3 at{row(0), row(1), row(2)};
+    seen.reach_m = fmaxf(fmaxf(seen.reach_m, fabsf(at.x)), fmaxf(fabsf(at.y), fabsf(at.z)));
+    seen.corner[k] = at - from;
+  }
+  if (parts > 1) {
+    const Subtriangle sub = subtriangle(number - triangle * parts, emissive.divisions);
+    const Vec3 e1 = seen.corner[1] - seen.corner[0], e2 = seen.corner[2] - seen.corner[0];
+    seen.corner[0] = seen.corner[0] + e1 * sub.u + e2 * sub.v;
+    seen.corner[1] = seen.corner[0] + e1 * sub.scale;
+    seen.corner[2] = seen.corner[0] + e2 * sub.scale;
   }
   seen.normal = cross_of(seen.corner[1] - seen.corner[0], seen.corner[2] - seen.corner[0]);
   const float det = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +

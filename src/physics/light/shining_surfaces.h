@@ -8,10 +8,11 @@
 
 namespace omma {
 
-// A triangle that a ray met, of an instance of the scene.
+// A triangle that a ray met, of an instance of the scene, and the barycentric weights of its second
+// and third corner there.
 struct MetTriangle {
   std::int32_t instance, triangle;
-  float distance_m;
+  float distance_m, u, v;
 };
 
 // A point in the frame of an instance's mesh, with a normal that measures as before.
@@ -32,12 +33,13 @@ OMMA_HD float met_light_pdf(const SceneView& scene, const LightView& light, cons
   const std::int32_t index = light.emissive_of_instance[met.instance];
   if (index < 0) return 0.0f;
   const EmissiveView& emissive = light.emissive[index];
-  const float chosen = choose_light_probability(light.emissive_tree, at, index) *
-                       light_tree_probability(emissive.triangles,
-                                              point_in_mesh(scene, met.instance, at), met.triangle);
+  const std::int32_t number = met.triangle * emissive.divisions * emissive.divisions +
+                              subtriangle_at(met.u, met.v, emissive.divisions);
+  const float chosen =
+      choose_light_probability(light.emissive_tree, at, index) *
+      light_tree_probability(emissive.triangles, point_in_mesh(scene, met.instance, at), number);
   if (!(chosen > 0.0f)) return 0.0f;
-  const LightTriangle seen =
-      see_triangle(scene, met.instance, emissive.mesh, met.triangle, at.position);
+  const LightTriangle seen = see_triangle(scene, emissive, number, at.position);
   if (!shines_towards(scene, emissive.mesh, seen, direction)) return 0.0f;
   return chosen * seen_triangle_pdf(seen, direction, met.distance_m);
 }
@@ -47,27 +49,25 @@ OMMA_HD void sample_surfaces(const SceneView& scene, const LightView& light, con
   const ChosenLight chosen = choose_light(light.emissive_tree, at, numbers.which);
   if (chosen.index < 0) return;
   const EmissiveView& emissive = light.emissive[chosen.index];
-  const ChosenLight triangle = sample_light_tree(
+  const ChosenLight part = sample_light_tree(
       emissive.triangles, point_in_mesh(scene, emissive.instance, at), chosen.left);
-  if (triangle.index < 0) return;
+  if (part.index < 0) return;
+  const std::int32_t parts = emissive.divisions * emissive.divisions;
   sample.kind = LightKind::surface;
   sample.index = emissive.instance;
   sample.mesh = emissive.mesh;
-  sample.triangle = triangle.index;
-  const LightTriangle seen =
-      see_triangle(scene, sample.index, sample.mesh, sample.triangle, at.position);
+  sample.triangle = part.index / parts;
+  const LightTriangle seen = see_triangle(scene, emissive, part.index, at.position);
   const TriangleSample place = sample_triangle(seen, numbers.u0, numbers.u1);
   sample.direction = place.direction;
   sample.distance_m = place.distance_m;
-  sample.u = place.u;
-  sample.v = place.v;
+  const Subtriangle sub = subtriangle(part.index - sample.triangle * parts, emissive.divisions);
+  sample.u = sub.u + sub.scale * place.u;
+  sample.v = sub.v + sub.scale * place.v;
   sample.normal = seen.normal * (1.0f / fmaxf(sqrtf(dot(seen.normal, seen.normal)), 1e-30f));
-  for (const Vec3& corner : seen.corner) {
-    const Vec3 c = corner + at.position;
-    sample.reach_m = fmaxf(fmaxf(sample.reach_m, fabsf(c.x)), fmaxf(fabsf(c.y), fabsf(c.z)));
-  }
+  sample.reach_m = seen.reach_m;
   if (place.pdf > 0.0f && shines_towards(scene, sample.mesh, seen, place.direction))
-    sample.pdf = place.pdf * chosen.probability * triangle.probability;
+    sample.pdf = place.pdf * chosen.probability * part.probability;
 }
 
 }  // namespace omma

@@ -139,10 +139,10 @@ OMMA_HD_CALLED void add_emission(const Flight<L, Search>& flight, const Hits<L>&
     if (state.gathers && state.scatterings[l] == 0) return;
     weight[l] = surface.alpha[l];
     if (!is_from_eye(state.density[l])) {
-      const float pdf = met_light_pdf(scene, of_all.has(l) ? *scene.all_lights : *scene.light,
-                                      {hits.instance[l], int_of(rays.triangle[l]), rays.t_far_m[l]},
-                                      {vec_at(rays.origin, l), vec_at(state.lit_normal, l)},
-                                      vec_at(rays.direction, l));
+      const float pdf = met_light_pdf(
+          scene, of_all.has(l) ? *scene.all_lights : *scene.light,
+          {hits.instance[l], int_of(rays.triangle[l]), rays.t_far_m[l], rays.u[l], rays.v[l]},
+          {vec_at(rays.origin, l), vec_at(state.lit_normal, l)}, vec_at(rays.direction, l));
       weight[l] *= power_heuristic(state.density[l], state.chose_surface[l] * pdf);
     }
     any = true;

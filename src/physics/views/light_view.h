@@ -72,9 +72,11 @@ struct LampView {
 };
 
 // An instance whose surface shines. Its triangles are chosen by a tree in the mesh's frame, then
-// places on them.
+// places on them. Triangles whose texture shines are divided along their sides: the lights of the
+// tree are their subtriangles, triangle * divisions^2 + subtriangle (emissive.h).
 struct EmissiveView {
   std::int32_t instance = 0, mesh = 0;  // of the scene
+  std::int32_t divisions = 1;           // of each side
   LightTreeView triangles;
 };
 
