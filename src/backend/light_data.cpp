@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <numeric>
 #include <string>
-#include <utility>
 
 #include "backend/emissive_data.h"
 #include "backend/light_aims.h"
