@@ -162,7 +162,7 @@ def _projected(eye: Eye, response: NDArray[np.float32]) -> NDArray[np.uint8]:
 def _unseen(eye: Eye) -> NDArray[np.bool_]:
     """Where on a picture no ommatidium looks."""
     nothing = np.zeros((len(eye), 3), np.float32)
-    return np.isnan(project(eye, nothing, width=_PIXELS, linear=True)).any(axis=-1)
+    return np.asarray(np.isnan(project(eye, nothing, width=_PIXELS, linear=True)).any(axis=-1))
 
 
 def _eye(views: Views) -> Eye:
