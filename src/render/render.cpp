@@ -128,8 +128,7 @@ static float least_acceptance(const EyeView& eye, const DirectionsView& directio
   return least;
 }
 
-Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
-                       const DirectionTables* known)
+Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings, const State* known)
     : world(std::move(seen)),
       eye(std::move(its_eye)),
       settings(std::move(its_settings)),
@@ -148,9 +147,15 @@ Renderer::State::State(World seen, Eye its_eye, RenderSettings its_settings,
     const auto* target = std::get_if<ToError>(&settings.sampling);
     const bool of_frame_0 =
         settings.noise == Noise::frozen && std::holds_alternative<Fixed>(settings.sampling);
-    directions.push_back(make_direction_tables(eye, settings, first, known, of_frame_0));
+    const auto known_of_round = [&](std::size_t round) -> const DirectionTables* {
+      if (known != nullptr && round < known->directions.size()) return &known->directions[round];
+      return directions.empty() ? nullptr : &directions.front();
+    };
+    directions.push_back(
+        make_direction_tables(eye, settings, first, known_of_round(0), of_frame_0));
     for (int samples = 2 * first; target != nullptr && samples <= target->most; samples *= 2)
-      directions.push_back(make_direction_tables(eye, settings, samples, &directions.front()));
+      directions.push_back(
+          make_direction_tables(eye, settings, samples, known_of_round(directions.size())));
     eye_arrays = make_eye_arrays(eye, directions.front(), settings.eye_sizes);
     eye_view = omma::view(eye_arrays);
     eyes = spans_of_eyes(eye.size(), settings.eye_sizes);
@@ -172,13 +177,12 @@ Renderer::Renderer(const Renderer& same_world, Eye eye, RenderSettings settings)
   check_settings(settings);
   validate_eye(eye);
   state_ = std::make_unique<State>(same_world.state_->world, std::move(eye), std::move(settings),
-                                   &same_world.state_->directions.front());
+                                   same_world.state_.get());
 }
 
 Renderer::Renderer(const Renderer& same_eye, World world)
     : state_(std::make_unique<State>(std::move(world), same_eye.state_->eye,
-                                     same_eye.state_->settings,
-                                     &same_eye.state_->directions.front())) {}
+                                     same_eye.state_->settings, same_eye.state_.get())) {}
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, Eye eye, RenderSettings settings,
                    const std::function<bool(double)>& progress) {

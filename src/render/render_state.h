@@ -56,7 +56,7 @@ struct Renderer::State {
   mutable std::atomic<std::uint64_t> frames = 0;  // rendered so far, with Noise::new_every_frame
 
   // Checks both. Direction tables take over from `known` what they have in common.
-  State(World seen, Eye its_eye, RenderSettings its_settings, const DirectionTables* known);
+  State(World seen, Eye its_eye, RenderSettings its_settings, const State* known);
 
   const BuiltScene& built() const { return *world.state().built; }
   const SceneView* view() const { return &world.state().view; }
