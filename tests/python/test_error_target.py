@@ -348,3 +348,23 @@ def test_wrong_commands(omma_command, tmp_path, arguments, code, word):
     assert err.startswith("omma: error: ")
     assert word in err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("points", ["low_discrepancy", "random"])
+def test_renderers_made_of_others_have_the_bits_of_new_ones(points):
+    """They take over the points of every round."""
+    scene = omma.load_scene(omma.examples.meadow())
+    world, pose = omma.World(scene), scene.camera("bee").world_from_camera
+    grey = world.with_background(omma.Background.constant((0.2, 0.3, 0.4)))
+    eye = omma.eye.generate_eye(40)
+    oval = omma.eye.generate_eye(60).replace(acceptance=omma.Acceptance.gaussian(0.1, 0.05, 0.3))
+    options = {"points": points, "seed": 3}
+    target, other = omma.ToError(0.02), omma.ToError(0.05, most=256)
+    first = omma.Renderer(world, eye, target, **options)
+    for made, new in (
+        (first.with_eye(oval), omma.Renderer(world, oval, target, **options)),
+        (first.with_world(grey), omma.Renderer(grey, eye, target, **options)),
+        (first.with_eye(eye, other), omma.Renderer(world, eye, other, **options)),
+        (first.with_eye(eye, seed=9), omma.Renderer(world, eye, target, points=points, seed=9)),
+    ):
+        assert np.array_equal(made.render(pose), new.render(pose))
